@@ -5,6 +5,7 @@ A table says which values are sound for which argument; all others must raise In
 
 import inspect
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from meshes import sphere
 import apd_viewer
 from apd_viewer.errors import InputError
 
+BOTTLE = str(Path(__file__).parents[2] / "resources" / "bottle.obj")
 V, F = sphere(1)
 TOP, BOTTOM = np.flatnonzero(V[:, 2] > 0.8), np.flatnonzero(V[:, 2] < -0.8)
 FIXED = np.concatenate([TOP, BOTTOM])
@@ -92,6 +94,7 @@ SOUND = {
     "deform iterations": COUNTS | {"None"},
     "deform contact": {"None", "np.False_"},  # not with a number of iterations
     "deform progress": FLAGS | {"None", "call"},
+    **dict.fromkeys(("open_mesh chord", "open_mesh edge"), NONE),  # the mesh is no CAD model
     "dented_shape seed": VERTICES | {"huge"},
     **dict.fromkeys(("dented_shape depth", "dented_shape length"), LENGTHS - {"None"}),
     "buckling_modes count": COUNTS,
@@ -193,7 +196,7 @@ CALLS = {
         lambda **said: deformed(regions=[apd_viewer.Region(**{"name": "top", "vertices": TOP} | said)]),
         apd_viewer.Region,
     ),
-    "open_mesh": (apd_viewer.open_mesh, {}),
+    "open_mesh": (apd_viewer.open_mesh, {"path": BOTTLE}),
     "save_mesh": (apd_viewer.save_mesh, {"mesh": MESH, "U": V, "path": "saved.obj"}),
 }
 # What only the program makes.

@@ -17,7 +17,7 @@ EXCEPTIONS = {
     r"\b\w+\.(html|png)\b|\*\.(html|png)": "what others are given to look at",
     r"^(GLB|JSON|NPZ|SEL|DMAT|HTML|PNG) $|\b(OBJ|PLY|STL|OFF|GLB|glTF|3MF|VT[PUK])\b": "the name of a format",
     r"\b(STEP|IGES)\b": "the name of a format of CAD",
-    r"\b([cm]m[²³]?|ml|GPa|[MG]iB|\d+deg|asin|pi)\b|“x”": "a unit, or what is typed into a field for numbers",
+    r"\b([cm]m[²³]?|ml|m?bar|GPa|[MG]iB|\d+deg|asin|pi)\b|“x”": "a unit, or what is typed for a number",
     r"^tcp://host:8786$": "an address, as it is typed",
     r"^[\w/.-]*-study$": "a folder",
     r"^(English|Deutsch)$": "the name of a language in itself",
