@@ -89,6 +89,7 @@ class SolverService:
                         self._answer(message)
                 with self._told_errors(self._motion, is_motion=True):
                     self._iterate()
+                    self._take_frame_request()
                     self._send_frame()
             if problems:
                 self._send({"op": "error", "id": None, "message": problems[0], "kind": "protocol"})
@@ -126,6 +127,17 @@ class SolverService:
             taken, self._messages = self._messages, []
             self._arrived.notify()
         return taken
+
+    def _take_frame_request(self) -> None:
+        """Take a request that has arrived during an iteration: its shape goes before a new motion."""
+        with self._arrived:
+            for number, message in enumerate(self._messages if self._walk else ()):
+                if (op := message.head.get("op")) == "frame":
+                    self._asked = self._messages.pop(number)
+                    self._arrived.notify()
+                    return
+                if op not in _REPLACED:
+                    return
 
     def _answer(self, message: Message) -> None:
         answers = {
