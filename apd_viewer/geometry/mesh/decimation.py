@@ -12,6 +12,8 @@ _NEAREST = 4
 _ACROSS = 2.0
 # Held vertices farther than this from all held coarse vertices, in coarse edges, become coarse ones.
 _UNHEARD = 1.5
+# Twice the area of a triangle over the squares of its edges, up to which it is a line.
+_FLAT = 1e-4
 
 
 class Decimation(NamedTuple):
@@ -62,8 +64,21 @@ def decimated_mesh(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray
     vertices, merged = np.unique(nearest, return_inverse=True)
     T = merged[triangles.reshape(-1, 3)]
     T = T[(T[:, 0] != T[:, 1]) & (T[:, 1] != T[:, 2]) & (T[:, 2] != T[:, 0])]
+    T = T[_have_area(V[vertices], T)]
     kept, T = np.unique(T, return_inverse=True)
     return vertices[kept], T.reshape(-1, 3)
+
+
+def _have_area(X: np.ndarray, T: np.ndarray) -> np.ndarray:
+    """Mask (k,) of the triangles ``T`` that are no lines.
+
+    On a line cotangents have no bound, and a vertex turns without a cost: fine vertices would move with the
+    rounding of such a coarse one, even at rest.
+    """
+    a, b, c = X[T].transpose(1, 0, 2)
+    twice = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    squares = np.square([b - a, c - b, a - c]).sum(axis=(0, 2))
+    return np.asarray(twice > _FLAT * squares)
 
 
 def mean_edge_length(V: np.ndarray, F: np.ndarray) -> float:
