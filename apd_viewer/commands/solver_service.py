@@ -129,7 +129,7 @@ class SolverService:
         return taken
 
     def _take_frame_request(self) -> None:
-        """Take a request that has arrived during an iteration: its shape goes before a new motion."""
+        """Take a request that came during an iteration, before a new motion."""
         with self._arrived:
             for number, message in enumerate(self._messages if self._walk else ()):
                 if (op := message.head.get("op")) == "frame":
