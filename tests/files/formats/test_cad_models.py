@@ -92,6 +92,26 @@ def test_read_cad_keeps_rims_sharp(name):
         assert np.min(apart, axis=0).max() <= allowed, "there are no others"
 
 
+def test_read_cad_keeps_the_edges_of_a_thread_sharp():
+    """They are helices: see make_models.py. The thread ends in the plane y = 0."""
+    mesh = opened("threaded cap")
+    allowed, pitch = 0.5 * cad.CHORD_TOLERANCE * diagonal(mesh.V), 3.2
+    x, y, z = mesh.V[ridge_edges(mesh)].mean(axis=1).T
+    radius, rise = np.hypot(x, y), pitch * np.arctan2(y, x) / (2 * np.pi)
+    on_rim = np.abs(z - 16) < 0.1
+    on_end = (np.abs(y) < allowed) & (x > 0)
+    off = [
+        np.hypot(
+            radius - r,
+            ((z - 4.5 - dz - rise + pitch / 2) % pitch - pitch / 2) * np.cos(pitch / (2 * np.pi * r)),
+        )
+        for r, dz in ((12.5, 0.25), (12.5, -0.25), (13.5, 0.75), (13.5, -0.75))
+    ]
+    of_thread = np.min(off, axis=0)[~on_rim & ~on_end]
+    assert len(of_thread) > 800
+    assert of_thread.max() <= allowed
+
+
 def ridge_edges(mesh):
     """Edges (k, 2) whose triangles meet at more than 40 degrees."""
     corners = mesh.V[mesh.F]
