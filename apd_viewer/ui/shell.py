@@ -18,8 +18,7 @@ from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, NAVIGATIO
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.tool_modes import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets import theme
-from apd_viewer.ui.widgets.box_layouts import resize_on_screen
-from apd_viewer.ui.widgets.layout_boundary import LayoutBoundary
+from apd_viewer.ui.widgets.box_layouts import LayoutBoundary, resize_on_screen
 from apd_viewer.ui.widgets.theme import Theme, application_icon, icon
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 

@@ -15,7 +15,7 @@ from apd_viewer.presentation.report_page import ReportHeading
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State, initial_state
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
-from apd_viewer.ui.sharing.report_dialog import ReportDialog
+from apd_viewer.ui.sharing.report_dialogs import ReportDialog
 from apd_viewer.ui.workbench import Workbench
 
 # What adds a row, shows a card or opens a dialog. The handle is moved first, so that methods differ.

@@ -45,7 +45,7 @@ from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import file_controller, file_dialogs
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
-from apd_viewer.ui.sharing.report_dialog import ReportDialog
+from apd_viewer.ui.sharing.report_dialogs import ReportDialog
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 
 PROPERTIES = (

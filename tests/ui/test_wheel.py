@@ -18,7 +18,7 @@ from apd_viewer.presentation.report_page import ReportHeading
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureSettings
-from apd_viewer.ui.sharing.report_dialog import ReportDialog
+from apd_viewer.ui.sharing.report_dialogs import ReportDialog
 from apd_viewer.ui.tools.tool_modes import Tool
 from apd_viewer.ui.widgets.folding_section import reveal_widget
 

@@ -1,10 +1,11 @@
 """Display options of the window, and the cards for them over the canvas."""
 
+import time
 from collections.abc import Sequence
 
 import numpy as np
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QFocusEvent
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
+from PySide6.QtGui import QFocusEvent, QMouseEvent
 from PySide6.QtWidgets import QButtonGroup, QFrame, QGridLayout, QLabel, QToolButton, QWidget
 
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -18,16 +19,72 @@ from apd_viewer.ui.overlays.card_stack import CardStack
 from apd_viewer.ui.overlays.deviation_overlay import DeviationOverlay, DocumentMeasures
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.scene.camera import DEGREES_PER_PIXEL
 from apd_viewer.ui.scene.ghost import Ghost
 from apd_viewer.ui.scene.ground import Ground, GroundShadow
+from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface_shading import AMBER_GLASS_SHADER, Finish
+from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.turntable import Turntable
 from apd_viewer.ui.widgets.box_layouts import STRETCH, row_layout
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, icon
 from apd_viewer.ui.widgets.wheel import block_mouse_events
+
+SPEED = 24.0  # degrees a second
+_TICK = 16  # ms between frames
+_LONGEST = 0.1  # s: longest time step, so that the camera does not jump after a pause
+
+
+class Turntable(MouseTool, QObject):
+    """Animation that orbits the camera until a tool is used."""
+
+    stopped = Signal()
+
+    def __init__(self, viewport: Viewport) -> None:
+        super().__init__(viewport)
+        self._viewport = viewport
+        self._last = 0.0
+        self._timer = QTimer(self, interval=_TICK, timeout=self._turn)
+        viewport.tools.insert(0, self)
+
+    @property
+    def is_running(self) -> bool:
+        """True while the camera orbits."""
+        return self._timer.isActive()
+
+    @is_running.setter
+    def is_running(self, on: bool) -> None:
+        self._last = time.perf_counter()
+        if on:
+            self._timer.start()
+        else:
+            self._timer.stop()
+
+    def press(self, _: QMouseEvent) -> bool:
+        """Stop the animation, without consuming the press."""
+        self._stop()
+        return False
+
+    def cancel(self) -> bool:
+        """Stop the animation; True if it was running."""
+        return self._stop()
+
+    def _stop(self) -> bool:
+        turned = self.is_running
+        if turned:
+            self.is_running = False
+            self.stopped.emit()
+        return turned
+
+    def _turn(self) -> None:
+        now = time.perf_counter()
+        angle = SPEED * float(np.clip(now - self._last, 0.0, _LONGEST))
+        self._last = now
+        self._viewport.camera_controller.camera = self._viewport.camera_controller.camera.orbited(
+            angle / DEGREES_PER_PIXEL, 0.0
+        )
 
 
 class DisplayOptions:

@@ -57,8 +57,7 @@ from apd_viewer.ui.plots.plots import svg_element
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.scene.scene_picture import OffscreenScene, encode_png
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog, PictureRenderer, PictureSettings
-from apd_viewer.ui.sharing.report_dialog import ReportDialog
-from apd_viewer.ui.sharing.volumes_dialog import VolumesDialog
+from apd_viewer.ui.sharing.report_dialogs import ReportDialog, VolumesDialog
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 

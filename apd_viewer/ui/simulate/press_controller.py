@@ -37,7 +37,7 @@ from apd_viewer.ui.simulate.timeline_charts import PressCharts, StepCharts
 from apd_viewer.ui.simulate.timeline_panel import TimelinePanel
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_modes import Tool
-from apd_viewer.ui.widgets.layout_boundary import LayoutBoundary
+from apd_viewer.ui.widgets.box_layouts import LayoutBoundary
 from apd_viewer.ui.widgets.theme import Theme
 
 _REPLAY, _FASTEST, _SLOWEST = 3000, 50, 250  # ms: duration of all steps, and limits of that of one step

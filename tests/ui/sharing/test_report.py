@@ -33,7 +33,7 @@ from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.sharing.report_dialog import ReportDialog
+from apd_viewer.ui.sharing.report_dialogs import ReportDialog
 
 
 def write(qtbot, window, path):

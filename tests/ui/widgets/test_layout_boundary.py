@@ -4,7 +4,7 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QDockWidget, QLabel, QMainWindow, QSizePolicy, QVBoxLayout, QWidget
 
-from apd_viewer.ui.widgets.layout_boundary import LayoutBoundary
+from apd_viewer.ui.widgets.box_layouts import LayoutBoundary
 
 
 class Layouts(QObject):
