@@ -15,7 +15,7 @@ from apd_viewer.language import comma_separated, tr
 
 _OF_DESKTOP = "desktop", "thumbnail"
 COMMANDS = (
-    *("buckle", "deck", "deform", "info", "paper", "press", "remesh", "replay"),
+    *("buckle", "deck", "deform", "info", "mcp", "paper", "press", "remesh", "replay"),
     *("serve", "study", "sweep", "verify", "volumes"),
     *_OF_DESKTOP,
 )
@@ -30,6 +30,7 @@ apd-viewer press MESH ... -o OUT     press a mesh between two plates
 apd-viewer remesh MESH -o OUT        divide the surface of a mesh into even triangles
 apd-viewer replay SESSION -o OUT     re-run a saved session without a window
 apd-viewer serve                     deform meshes for another program, over a pipe
+apd-viewer mcp FOLDER                offer commands as tools to a language model, over a pipe
 apd-viewer study PLAN.csv -o DIR     run many cases in parallel; "study design" writes plans
 apd-viewer sweep SESSION -o DIR      area, volume and energy along the motion of the handle
 apd-viewer volumes MESH              volumes, beside published figures of crushed bottles

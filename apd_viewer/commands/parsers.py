@@ -6,6 +6,7 @@ from apd_viewer.commands.buckle_command import buckle_parser
 from apd_viewer.commands.deck_command import deck_parser
 from apd_viewer.commands.deform_command import deform_parser
 from apd_viewer.commands.info_command import info_parser
+from apd_viewer.commands.mcp_command import mcp_parser
 from apd_viewer.commands.paper_command import paper_parser
 from apd_viewer.commands.press_command import press_parser
 from apd_viewer.commands.remesh_command import remesh_parser
@@ -22,6 +23,7 @@ PARSERS: dict[str, Callable[[], Parser]] = {
     "deck": deck_parser,
     "deform": deform_parser,
     "info": info_parser,
+    "mcp": mcp_parser,
     "paper": paper_parser,
     "press": press_parser,
     "remesh": remesh_parser,

@@ -20,6 +20,7 @@ from apd_viewer.files.storage.atomic_file import (
     replacing_file,
     resolved_path,
 )
+from apd_viewer.files.storage.confinement import check_writing
 from apd_viewer.files.storage.regular_files import one_line_message, without_library_warnings
 from apd_viewer.geometry.mesh.arrays import (
     LARGEST_COORDINATE,
@@ -57,6 +58,7 @@ def check_mesh_path(path: str | Path) -> Path:
 
 def check_writable(path: Path) -> None:
     """Raise InputError unless ``path`` can be a file or stream in an existing folder."""
+    check_writing(path)
     if is_circular_link(path):
         raise InputError(
             tr("{path} is a link that leads to itself; remove it, or choose another name.").format(path=path)

@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.confinement import check_writing
 from apd_viewer.files.storage.lock import FileLock, acquire_lock
 from apd_viewer.geometry.signals.deferred_signals import DEFERRED_SIGNALS
 from apd_viewer.language import tr
@@ -46,6 +47,7 @@ def replacing_file(
     scratch: Path | None = None
     try:
         check_not_circular(path)
+        check_writing(path)
         streams = is_stream(path)
         if not streams:
             path = resolved_path(path)  # replace the file behind a link, not the link
@@ -233,6 +235,7 @@ def move_files(scratch: Path, folder: Path) -> None:
     files = sorted(path for path in scratch.rglob("*") if path.is_file())
     for path in files:
         target = folder / path.relative_to(scratch)
+        check_writing(target)
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.exists() and not target.is_file():
             raise FileExistsError(None, tr("{name} in it is not a regular file").format(name=target.name))

@@ -21,6 +21,7 @@ from typing import BinaryIO
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.storage.confinement import check_reading
 from apd_viewer.language import tr
 
 _LONGEST = 160  # maximum number of characters of an error message
@@ -63,6 +64,7 @@ def open_regular_file(path: str | Path, flags: int = 0) -> BinaryIO:
     flags : int
         More of those of :func:`os.open`.
     """
+    check_reading(path)
     check_regular_file(path)
     stream = os.fdopen(os.open(path, _FLAGS | flags), "rb")
     if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):  # the file was replaced after the check
