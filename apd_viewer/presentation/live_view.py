@@ -280,9 +280,9 @@ class LiveView:
             "number": shape.number,
             "isAtWork": shape.is_at_work,
             "area": area,
-            "method": self._method.short_title,
-            "state": "" if missing else state,
-            "hint": missing or "",
+            "method": _plain(self._method.short_title),
+            "state": "" if missing else _plain(state),
+            "hint": _plain(missing or ""),
             "problem": shape.problem,
             "places": places,
             "canUndo": bool(self._history),
@@ -429,7 +429,7 @@ def _colors() -> list[list[int]]:
 
 def _texts() -> dict[str, str]:
     """Texts of the page, in the user's language."""
-    return {
+    texts = {
         "view": tr("Mesh to drag"),
         "drag": tr("Drag"),
         "base": tr("Base"),
@@ -441,6 +441,12 @@ def _texts() -> dict[str, str]:
         "area": tr("Area"),
         "noView": tr("This browser has no WebGL2, which the view needs."),
     }
+    return {name: _plain(text) for name, text in texts.items()}
+
+
+def _plain(text: str) -> str:
+    """Text of the type that all writers of JSON know."""
+    return "".join(text)
 
 
 def _widget(view: weakref.ref[LiveView]) -> Any:
