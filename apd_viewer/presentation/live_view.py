@@ -92,8 +92,8 @@ def live(
     >>> import numpy as np
     >>> mesh = apd_viewer.open_mesh("bottle.obj")
     >>> base, neck = np.flatnonzero(mesh.V[:, 1] < 1.2), np.flatnonzero(mesh.V[:, 1] > 18.7)
-    >>> view = apd_viewer.live(mesh, base, neck, method="exact")    # doctest: +SKIP
-    >>> view                                                        # doctest: +SKIP
+    >>> apd_viewer.live(mesh, base, neck, contact=False)
+    bottle.obj: 13,010 vertices, 1,279 of the base, 2,647 of handles; Exact
     """
     view = LiveView(mesh, base, handles, **settings)
     if find_spec("anywidget") is None:

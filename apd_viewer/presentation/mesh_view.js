@@ -199,7 +199,7 @@ export function createMeshView(container, {
   }
 
   function gizmoScale() {
-    return Math.min(110, 0.24 * Math.min(...sizes())) * unitsPerPixel(gizmo.place);
+    return Math.min(92, 0.2 * Math.min(...sizes())) * unitsPerPixel(gizmo.place);
   }
 
   function gizmoPixel(k) {

@@ -212,11 +212,13 @@ def test_live_view_follows_the_mouse_in_jupyterlab(browser, tmp_path, record_pro
 
 def test_live_view_follows_the_mouse_in_marimo(browser, tmp_path, record_property):
     port = free_port()
-    judged = "\n".join("    " + line for line in (OPEN + "told = None").strip().splitlines())
+    (tmp_path / "config" / "marimo").mkdir(parents=True)
+    (tmp_path / "config" / "marimo" / "marimo.toml").write_text('[display]\ntheme = "dark"\n')
+    opened = "\n".join("    " + line for line in OPEN.strip().splitlines())
     after = "\n".join("    " + line for line in JUDGE.strip().splitlines())
     (tmp_path / "view.py").write_text(
         "import marimo\n\napp = marimo.App()\n\n\n@app.cell\ndef _():\n"
-        f"{judged.replace('    told = None', '')}\n    return apd_viewer, base, mesh, neck, np, view\n\n\n"
+        f"{opened}\n    return apd_viewer, base, mesh, neck, np, view\n\n\n"
         "@app.cell\ndef _(view):\n    view\n    return\n\n\n"
         "@app.cell\ndef _():\n    import marimo as mo\n    go = mo.ui.run_button(label='Judge')\n    go\n"
         "    return go, mo\n\n\n"
@@ -236,7 +238,7 @@ def test_live_view_follows_the_mouse_in_marimo(browser, tmp_path, record_propert
         settle(page)
         page.screenshot(path=os.environ.get("APD_SHOTS", str(tmp_path)) + "/marimo.png")
         page.get_by_role("button", name="Judge").click()
-        said = page.locator("p", has_text="told {").inner_text(timeout=180_000)
+        said = page.get_by_text("told {").last.inner_text(timeout=180_000)
         page.close()
     told = json.loads(said.partition("told ")[2].replace("“", '"').replace("”", '"'))
     judge(told, shapes, hosts, record_property, "marimo")
