@@ -70,7 +70,7 @@ $(extras)/.installed: pyproject.toml | system-packages
 	@.ci/step "Creating $(extras) with $(python)" $(python) -m venv --clear $(extras)
 	@.ci/step "Updating pip" $(extras)/bin/python -m pip install --quiet 'pip>=25.1'
 	@.ci/step "Installing apd-viewer with all extras and the development tools into $(extras)" \
-	    $(extras)/bin/python -m pip install --quiet --editable '.[video,cluster,usd,cad]' --group extras
+	    $(extras)/bin/python -m pip install --quiet --editable '.[video,cluster,usd,cad,notebook]' --group extras
 	@touch $@
 
 # Each version of Blender's module is for one version of Python; the add-on's environment has the newest that there is.

@@ -32,4 +32,5 @@ from apd_viewer.geometry.solver.linear_buckling import (
 from apd_viewer.geometry.solver.plate_press import PressStep as PressStep
 from apd_viewer.geometry.solver.press_band import PressBand as PressBand, dented_shape as dented_shape
 from apd_viewer.geometry.solver.pressed_mesh import Pressed as Pressed, press as press
+from apd_viewer.presentation.live_view import LiveView as LiveView, live as live
 from apd_viewer.presentation.notebook_deform import deform as deform

@@ -46,7 +46,7 @@ LIBRARIES = {
     "commands": {"numpy"},
     "figures": {"numpy", "matplotlib", "PIL", "imageio_ffmpeg", "pyvista"},
     "ui": SCREEN | {"numpy"},
-    "presentation": {"numpy"},
+    "presentation": {"numpy", "anywidget"},
     "cases": {"numpy", "scipy", "distributed", "pyarrow", "threadpoolctl"},
     "verification": {"numpy", "scipy"},
     "session": {"numpy"},
@@ -85,6 +85,7 @@ CONFINED = {
     "distributed": {"cases/cluster.py"},
     "pyarrow": {"cases/results.py"},
     "threadpoolctl": {"geometry/linalg/threads.py", "cases/case_worker.py"},
+    "anywidget": {"presentation/live_view.py"},
     "cascadio": {"files/formats/cad.py"},
     "mmgpy": {"files/formats/cad.py"},
     "qtpy": set(),  # the binding that pyvistaqt chooses is its own affair

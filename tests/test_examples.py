@@ -44,7 +44,13 @@ def test_examples_are_there_for_every_public_name_and_are_run(name):
     assert not any(doctest.SKIP in example.options for example in found)
 
 
-@pytest.mark.parametrize("name", sorted(set(apd_viewer.__all__) - {"view"}))
+@pytest.mark.parametrize(
+    "name",
+    [
+        *sorted(set(apd_viewer.__all__) - {"view", "live"}),
+        pytest.param("live", marks=pytest.mark.extra),
+    ],
+)
 def test_examples_say_what_comes_of_them(name, compiled, tmp_path, monkeypatch):
     shutil.copy(ROOT / "resources" / "bottle.obj", tmp_path)
     monkeypatch.chdir(tmp_path)

@@ -8,7 +8,8 @@
  *   the page is light or dark; the background is transparent.
  * positions: Float32Array (3n), best around the origin. triangles: Uint32Array (3m).
  * colors: Uint8Array (3n), RGB of each vertex, or null for grey.
- * label: name for screen readers. direction, up: from the mesh to the viewer, and upwards.
+ * label: name for screen readers. direction, up: from the mesh to the viewer, and upwards. margin: beside what
+ *   `fit` shows, 1 for none.
  *
  * Returns null where there is no WebGL2, or else an object:
  *   canvas                    the element
@@ -22,6 +23,7 @@
  *   pick(x, y)                what is seen at a pixel of the canvas (CSS pixels): { triangle, vertex, point,
  *                             unitsPerPixel } or null; the vertex is the nearest of the triangle's
  *   project(point)            its pixel [x, y]
+ *   gizmoPixel(axis)          pixel of the middle of the gizmo's arrow along axis 0, 1 or 2, or null
  *   picture()                 data URL of a PNG of the view, without the gizmo
  *   onPress = (x, y, event)   may return { move(x, y), end() } to take a gesture over, or null to turn the view
  *   dispose()                 removes canvas, listeners and buffers
@@ -31,7 +33,7 @@
  * plus, minus, and Home to fit. Nothing is drawn unless something has changed.
  */
 export function createMeshView(container, {
-  positions, triangles, colors = null, label = "", direction = [0.55, 0.28, 1], up = [0, 1, 0],
+  positions, triangles, colors = null, label = "", direction = [0.55, 0.28, 1], up = [0, 1, 0], margin = 1.1,
 }) {
   const FIELD = Math.tan(Math.PI / 12); // tangent of half the field of view, which is 30 degrees
   const add = (a, b, s = 1) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
@@ -115,7 +117,7 @@ export function createMeshView(container, {
         if (!used[i / 3]) continue;
         const q = [P[i] - box.centre[0], P[i + 1] - box.centre[1], P[i + 2] - box.centre[2]];
         const across = Math.max(Math.abs(dot(q, top)), Math.abs(dot(q, right)) * height / width);
-        distance = Math.max(distance, 1.1 * across / FIELD + dot(q, toward));
+        distance = Math.max(distance, margin * across / FIELD + dot(q, toward));
       }
     }
     camera.distance = distance;
@@ -197,7 +199,11 @@ export function createMeshView(container, {
   }
 
   function gizmoScale() {
-    return Math.min(110, 0.24 * Math.min(...sizes())) * unitsPerPixel(gizmo.place);
+    return Math.min(92, 0.2 * Math.min(...sizes())) * unitsPerPixel(gizmo.place);
+  }
+
+  function gizmoPixel(k) {
+    return gizmo && project(add(gizmo.place, AXES[k], 0.6 * gizmoScale()));
   }
 
   /** Part at a pixel, the nearest within `reach`; of rings only the half that faces the viewer. */
@@ -429,7 +435,7 @@ export function createMeshView(container, {
   // Mouse, touch and keys
 
   const api = {
-    canvas, setPositions, setColors, setGhost, setGizmo, fit, pick, project, onPress: null, picture, dispose,
+    canvas, setPositions, setColors, setGhost, setGizmo, fit, pick, project, gizmoPixel, picture, dispose, onPress: null,
   };
   const pointers = new Map();
   let gesture = null;

@@ -196,6 +196,12 @@ CALLS = {
         lambda **said: deformed(regions=[apd_viewer.Region(**{"name": "top", "vertices": TOP} | said)]),
         apd_viewer.Region,
     ),
+    # `live` asks for an extra after it has made this.
+    "live": (apd_viewer.LiveView, {"mesh": MESH}),
+    "move": (
+        lambda **said: apd_viewer.LiveView(MESH, BOTTOM, TOP).move(**{"motion": np.eye(4)} | said),
+        apd_viewer.LiveView.move,
+    ),
     "open_mesh": (apd_viewer.open_mesh, {"path": BOTTLE}),
     "save_mesh": (apd_viewer.save_mesh, {"mesh": MESH, "U": V, "path": "saved.obj"}),
 }
@@ -205,6 +211,7 @@ MADE = {
     "Frame",
     "HullReadings",
     "InputError",
+    "LiveView",
     "Obstacle",
     "PressBand",
     "PressStep",
