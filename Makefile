@@ -14,7 +14,7 @@ quick test night pictures: packages += xvfb xauth
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test night night-suite night-alone night-extras night-blender blender quick lint format docs pictures wheel release texts installer container clean \
+.PHONY: help run test night night-suite night-alone night-extras night-blender blender fuzz quick lint format docs pictures wheel release texts installer container clean \
         programs system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -88,6 +88,20 @@ $(blender)/.installed: resources/blender/tests/requirements.txt | system-package
 	@.ci/step "Updating pip" $(blender)/bin/python -m pip install --quiet 'pip>=25.1'
 	@.ci/step "Installing Blender's module and pytest into $(blender)" \
 	    $(blender)/bin/python -m pip install --quiet --requirement resources/blender/tests/requirements.txt
+	@touch $@
+
+# atheris, which guides by coverage, has wheels for Linux and CPython 3.11 to 3.13.
+fuzz = build/fuzz/environment
+minutes = 60
+
+fuzz: $(fuzz)/.installed ## damaged files to every reader for minutes=N, guided by coverage; only="NAME ..." to some
+	@.ci/step "Fuzzing for $(minutes) minutes" $(fuzz)/bin/python tests/support/guided_fuzz.py $(minutes) $(only)
+
+$(fuzz)/.installed: pyproject.toml | system-packages
+	@.ci/step "Creating $(fuzz) with $(python)" $(python) -m venv --clear $(fuzz)
+	@.ci/step "Updating pip" $(fuzz)/bin/python -m pip install --quiet 'pip>=25.1'
+	@.ci/step "Installing apd-viewer, the development tools and atheris into $(fuzz)" \
+	    $(fuzz)/bin/python -m pip install --quiet --editable . --group fuzz
 	@touch $@
 
 # What some tests run.

@@ -23,7 +23,7 @@ MOST_STEPS = 100
 ANY_LENGTHS = dict.fromkeys("XYZLD", 1.0)
 _HANDLE = re.compile(r"handle\s+(\d{1,3})\s*:\s*(.*)", re.DOTALL | re.IGNORECASE)
 _PREPOSITIONS = {kind.preposition for kind in MOTION_KINDS.values() if kind.preposition}
-_AXIS = re.compile(rf"(.*?)\s+({'|'.join(_PREPOSITIONS)})\s+([xyz])", re.DOTALL | re.IGNORECASE)
+_AXES = "X", "Y", "Z"
 _SHOWN = 40  # maximum number of characters quoted from invalid input
 
 
@@ -114,8 +114,9 @@ def _step(handle: int, text: str) -> MotionTextStep:
         sentence = tr("“{word}” is not a motion; use {words}.")
         raise InputError(sentence.format(word=word[:_SHOWN], words=", ".join(MOTION_KINDS)))
     kind, axis, preposition = MOTION_KINDS[word], "", ""
-    if named := _AXIS.fullmatch(rest):
-        rest, preposition, axis = named[1], named[2].lower(), named[3].upper()
+    words = rest.rsplit(maxsplit=2)
+    if len(words) == 3 and words[1].lower() in _PREPOSITIONS and words[2].upper() in _AXES:
+        rest, preposition, axis = words[0], words[1].lower(), words[2].upper()
     if axis and not kind.preposition:
         sentence = tr("“{word}” has no axis; remove “{preposition}”.")
         raise InputError(sentence.format(word=word, preposition=preposition))

@@ -1,6 +1,7 @@
 """Motions in words: what they say, where they lead, and what is no motion."""
 
 import pickle
+import time
 
 import numpy as np
 import pytest
@@ -150,6 +151,14 @@ WRONG = {
 def test_parse_motion_says_what_is_no_motion(text, state):
     with pytest.raises(InputError, match=WRONG[text]):
         paths(state, text)
+
+
+@pytest.mark.parametrize("text", ["turn 30deg{}about{}x", "move 0 1{}2", "handle 2{}:{}twist 3"])
+def test_parse_motion_takes_no_time_for_many_spaces(text):
+    """A pattern that looks for the axis from each of them takes as many steps squared."""
+    began = time.process_time()
+    assert parse_motion(text.replace("{}", " " * 50_000)) == parse_motion(text.replace("{}", " "))
+    assert time.process_time() - began < 2.0
 
 
 def test_parse_amounts_needs_the_unit_of_the_mesh_for_a_length(state):
