@@ -1,4 +1,4 @@
-"""Notation of displayed numbers, also in translated texts."""
+"""Notation of displayed numbers, also in translated texts, and of units of length."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ import string
 from numbers import Number
 from typing import Any, NamedTuple
 
+# Whole numbers: each ratio of two is rounded once, so that 25mm are exactly 2.5cm.
+MICROMETRES = {"mm": 1e3, "cm": 1e4, "m": 1e6, "in": 25_400.0, "ft": 304_800.0}
+METRES = {symbol: size / 1e6 for symbol, size in MICROMETRES.items()}
 _LIKE_THOUSANDS = re.compile(r"[-+−]?[1-9]\d{0,2},\d{3}")
 
 

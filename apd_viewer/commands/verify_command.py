@@ -94,7 +94,7 @@ def _finished_runs(cases: Sequence[VerificationCase], progress: Progress, is_tol
 
 def _draw(run: CaseRun, folder: Path) -> None:
     # Imported here: matplotlib is slow to import, and must not delay the parsing of a command line.
-    from apd_viewer.figures.verification_figures import draw_verification
+    from apd_viewer.figures.curves import draw_verification
 
     draw_verification(run, folder)
 

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.length_units import METRES
 from apd_viewer.files.mesh_formats import CAD_FORMATS, MESH_FORMATS, WRITABLE_FORMATS, WriteSupport
 from apd_viewer.files.meshes import parsed_mesh
 from apd_viewer.files.storage.atomic_file import (
@@ -31,6 +30,7 @@ from apd_viewer.geometry.mesh.arrays import (
 )
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
+from apd_viewer.notation import METRES
 
 _ROUNDING = 1e-4  # tolerance of the file read back, relative to the size of the shape
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.files.length_units import METRES
 from apd_viewer.geometry.analysis.scalars import Scalars, shape_scalars
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import BakedOrigin, Mesh
+from apd_viewer.notation import METRES
 
 
 @dataclass(frozen=True, eq=False)

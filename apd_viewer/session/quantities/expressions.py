@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.length_units import MICROMETRES
 from apd_viewer.language import in_quotes, tr
-from apd_viewer.notation import editable_number, notation
+from apd_viewer.notation import MICROMETRES, editable_number, notation
 from apd_viewer.session.quantities.units import NoUnitError, Unit
 
 MOST_CHARACTERS = 200

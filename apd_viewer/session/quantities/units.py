@@ -5,8 +5,8 @@ from __future__ import annotations
 from enum import Enum
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.length_units import METRES, MICROMETRES
 from apd_viewer.language import tr
+from apd_viewer.notation import METRES, MICROMETRES
 
 # No-break space between a number and its unit.
 _GAP = "\u00a0"

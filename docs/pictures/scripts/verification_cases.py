@@ -6,8 +6,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from stage import Stage
 
+from apd_viewer.figures.curves import draw_case
 from apd_viewer.figures.style import draw_figure
-from apd_viewer.figures.verification_figures import draw_case
 from apd_viewer.verification.case_table import CASES
 from apd_viewer.verification.verification_run import run_cases
 

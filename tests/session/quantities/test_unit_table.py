@@ -1,6 +1,6 @@
 """Units of length: each size has its members, and its name in the window."""
 
-from apd_viewer.files.length_units import MICROMETRES
+from apd_viewer.notation import MICROMETRES
 from apd_viewer.session.quantities.units import UNIT_NAMES, Unit
 
 
