@@ -18,7 +18,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
-import apd_viewer
 from apd_viewer.commands.buckle_command import buckle_parser
 from apd_viewer.commands.deform_command import deform_parser
 from apd_viewer.commands.info_command import info_parser
@@ -30,6 +29,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.samples import resource_path
 from apd_viewer.files.storage.confinement import check_inside, confine_process
 from apd_viewer.files.storage.regular_files import STANDARD_INPUT
+from apd_viewer.installation import program_version
 from apd_viewer.language import tr
 from apd_viewer.session.processes.child_boot import set_up_process
 from apd_viewer.session.quantities.wall_distribution import distribution_file
@@ -58,8 +58,10 @@ _START = """
 import sys
 count = int(sys.argv[1])
 sys.path[:], words = sys.argv[2 : 2 + count], sys.argv[2 + count :]
-from apd_viewer.commands.mcp_command import run_call
-run_call(*words)
+from apd_viewer.commands.mcp_command import confine_call
+confine_call(*words[:4])
+from apd_viewer.__main__ import main
+sys.exit(main(words[4:]))
 """
 
 
@@ -143,7 +145,7 @@ def _schema(parser: Parser, action: argparse.Action) -> dict[str, Any]:
 
 
 def command_words(name: str, arguments: dict[str, Any], folder: Path) -> list[str]:
-    """Words of a command line; every text in them that names a file is in ``folder``.
+    """Words of a command line whose files are all in ``folder``.
 
     Raises
     ------
@@ -192,11 +194,12 @@ def _words_of_value(option: str, nargs: Any, key: str, value: Any, folder: Path)
 
 
 def _checked_text(key: str, value: Any, folder: Path) -> str:
-    """Text of a value. Any text may name a file, so all of them must stay in the folder."""
+    """Text of a value; raises InputError if it leads out of the folder."""
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise _type_error(key, tr("a text or a number"))
     text = str(value)
-    file = distribution_file(text)  # the colours of a file may follow its name
+    # Any text may be the name of a file, and the colours of a file may follow its name.
+    file = distribution_file(text)
     for path in (text, str(file[0]) if file else text):
         if Path(path) == STANDARD_INPUT:
             raise InputError(tr("The standard input carries messages; name a file in place of “-”."))
@@ -208,16 +211,12 @@ def _type_error(key: str, kind: str) -> InputError:
     return InputError(tr("“{name}” has to be {kind}.").format(name=key, kind=kind))
 
 
-def run_call(parent: str, folder: str, scratch: str, overwriting: str, *words: str) -> None:
-    """Run a command in this process, confined to a folder, and exit."""
+def confine_call(parent: str, folder: str, scratch: str, overwriting: str) -> None:
+    """Set this process up for a command, confined to a folder."""
     set_up_process(int(parent))
     sys.stdout = sys.__stdout__
     threading.Thread(target=_end_with_input, daemon=True).start()
     confine_process(Path(folder), [Path(scratch), resource_path("")], overwriting == "True")
-    # Imported here: it imports this module.
-    from apd_viewer.__main__ import main
-
-    sys.exit(main(words))
 
 
 def _end_with_input() -> None:
@@ -360,7 +359,7 @@ class McpServer:
         if asked not in (None, STATELESS):
             told = {"supported": [STATELESS, *REVISIONS], "requested": asked}
             raise _RpcError(_UNSUPPORTED_VERSION, "Unsupported protocol version", told)
-        server = {"name": "apd-viewer", "version": apd_viewer.__version__}
+        server = {"name": "apd-viewer", "version": program_version()}
         common = {"resultType": "complete", "_meta": {_SERVER_KEY: server}} if asked else {}
         cached = {"ttlMs": 0, "cacheScope": "private"} if asked or method == "server/discover" else {}
         match method:

@@ -4,6 +4,7 @@ It refers to no other files: pictures are embedded as PNG or SVG, files as data 
 """
 
 import base64
+import hashlib
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -82,8 +83,25 @@ class PageAttachment:
     text: str
 
 
+@dataclass(frozen=True)
+class PageView:
+    """Part of a page with a style and a script of its own; both are there once.
+
+    Attributes
+    ----------
+    html, style : str
+        Well-formed HTML, and CSS.
+    script : str
+        ES module, the only one that the page may run.
+    """
+
+    html: str
+    style: str
+    script: str
+
+
 PageBlock: TypeAlias = (
-    PageTable | PageGrid | PageNote | PageCommand | PagePictureRow | PageDrawing | PageAttachment
+    PageTable | PageGrid | PageNote | PageCommand | PagePictureRow | PageDrawing | PageAttachment | PageView
 )
 
 
@@ -117,16 +135,29 @@ def write_page(path: Path, page: Page) -> None:
 def page_html(page: Page) -> str:
     """HTML text of a page."""
     parts = "\n".join(_section(part) for part in page.sections)
+    blocks = (block for section in page.sections for block in section.blocks)
+    view = next((block for block in blocks if isinstance(block, PageView)), None)
+    allowed, element = ("", "") if view is None else _inline_script(view.script)
     return PAGE.format(
+        allowed=allowed,
+        script=element,
         language=escape(LANGUAGE.replace("_", "-")),
         title=escape(page.title),
         subtitle=escape(page.subtitle),
-        style=STYLE,
+        style=STYLE if view is None else STYLE + view.style,
         hero=escape(page.hero[0]),
         said=escape(page.hero[1]),
         parts=parts,
         foot=escape(page.footer),
     )
+
+
+def _inline_script(script: str) -> tuple[str, str]:
+    """Source for the policy of a page that allows this script alone, and its element."""
+    if "</script" in script.lower():
+        raise ValueError("the script ends its own element")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
+    return f"; script-src 'sha256-{digest}'", f'<script type="module">{script}</script>\n'
 
 
 def _section(section: PageSection) -> str:
@@ -153,6 +184,8 @@ def block_html(block: PageBlock) -> str:
     if isinstance(block, PageDrawing):
         both = f'<div class="on-light">{block.light}</div><div class="on-dark">{block.dark}</div>'
         return f"<figure>{both}<figcaption>{escape(block.caption)}</figcaption></figure>"
+    if isinstance(block, PageView):
+        return block.html
     held = _data_uri(block.content, "application/octet-stream")
     link = f'<a download="{escape(block.name)}" href="{held}">{escape(block.name)}</a>'
     return f"<p>{link} <small>{escape(block.text)}</small></p>"
@@ -195,7 +228,7 @@ PAGE = """<!DOCTYPE html>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta http-equiv="Content-Security-Policy"
-  content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
+  content="default-src 'none'; img-src data:; style-src 'unsafe-inline'{allowed}">
 <title>{title}</title>
 <style>
 {style}</style>
@@ -209,7 +242,7 @@ PAGE = """<!DOCTYPE html>
 {parts}
 </main>
 <footer>{foot}</footer>
-</body>
+{script}</body>
 </html>
 """
 

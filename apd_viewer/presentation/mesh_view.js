@@ -10,6 +10,7 @@
  * colors: Uint8Array (3n), RGB of each vertex, or null for grey.
  * label: name for screen readers. direction, up: from the mesh to the viewer, and upwards. margin: beside what
  *   `fit` shows, 1 for none.
+ * extent: Float32Array of more points that fit() leaves room for, such as corners of the boxes of shapes to come.
  *
  * Returns null where there is no WebGL2, or else an object:
  *   canvas                    the element
@@ -34,6 +35,7 @@
  */
 export function createMeshView(container, {
   positions, triangles, colors = null, label = "", direction = [0.55, 0.28, 1], up = [0, 1, 0], margin = 1.1,
+  extent = null,
 }) {
   const FIELD = Math.tan(Math.PI / 12); // tangent of half the field of view, which is 30 degrees
   const add = (a, b, s = 1) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
@@ -74,11 +76,15 @@ export function createMeshView(container, {
     return N;
   }
 
+  function shown() {
+    return [positions, ghost, extent].filter(Boolean);
+  }
+
   function bounds() {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    for (const P of ghost ? [positions, ghost] : [positions]) {
+    for (const P of shown()) {
       for (let i = 0; i < P.length; i++) {
-        if (!used[(i / 3) | 0]) continue;
+        if (P !== extent && !used[(i / 3) | 0]) continue;
         const k = i % 3;
         if (P[i] < low[k]) low[k] = P[i];
         if (P[i] > high[k]) high[k] = P[i];
@@ -112,9 +118,9 @@ export function createMeshView(container, {
     box = bounds();
     camera.target = box.centre;
     let distance = 1e-3 * box.radius;
-    for (const P of ghost ? [positions, ghost] : [positions]) {
+    for (const P of shown()) {
       for (let i = 0; i < P.length; i += 3) {
-        if (!used[i / 3]) continue;
+        if (P !== extent && !used[i / 3]) continue;
         const q = [P[i] - box.centre[0], P[i + 1] - box.centre[1], P[i + 2] - box.centre[2]];
         const across = Math.max(Math.abs(dot(q, top)), Math.abs(dot(q, right)) * height / width);
         distance = Math.max(distance, margin * across / FIELD + dot(q, toward));

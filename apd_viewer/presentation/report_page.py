@@ -19,6 +19,7 @@ from apd_viewer.files.html_page import (
     PagePictureRow,
     PageSection,
     PageTable,
+    PageView,
 )
 from apd_viewer.geometry.analysis.area_change import LocalChange
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
@@ -61,8 +62,9 @@ NO_HEADING = ReportHeading()
 
 
 class ReportDrawings(NamedTuple):
-    """Pictures of shape and steps, histogram of area change, curves of a timeline."""
+    """View, pictures and steps of the shape, histogram, curves of a timeline."""
 
+    view: PageView
     shape: PagePictureRow
     histogram: PageDrawing
     steps: PagePictureRow
@@ -105,7 +107,11 @@ def report_page(subject: ReportSubject, evidence: ReportReadings, drawings: Repo
     checks = subject.rest_check, subject.shape_check
     date = subject.requested_at.strftime("%Y-%m-%d %H:%M")
     parts = [
-        PageSection(tr("Shape"), (*_warnings(state, subject.shape_check), drawings.shape), is_wide=True),
+        PageSection(
+            tr("Shape"),
+            (*_warnings(state, subject.shape_check), drawings.view, drawings.shape),
+            is_wide=True,
+        ),
         PageSection(tr("Area"), (PageTable(tuple(_area(state, unit))),)),
         PageSection(tr("Volume"), (PageTable(tuple(_volume(subject))),)),
         PageSection(tr("Size and mass"), tuple(_size(subject))),

@@ -27,6 +27,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.log import redacted_text
 from apd_viewer.presentation.legend_svg import legend_svg
+from apd_viewer.presentation.palette import label_colors
 from apd_viewer.presentation.plate_readings import FindConversion
 from apd_viewer.presentation.python_script import python_script
 from apd_viewer.presentation.report_blocks import ReportReadings
@@ -39,7 +40,9 @@ from apd_viewer.presentation.report_page import (
     report_page,
     volumes_block,
 )
+from apd_viewer.presentation.report_view import ViewedMesh, ViewedShape, report_view
 from apd_viewer.presentation.scales import Measure, Scale, default_scale, span_of
+from apd_viewer.presentation.shape_picture import VIEW_DIRECTION
 from apd_viewer.session.measurement_readings import complete_readings
 from apd_viewer.session.model.memo import triangle_areas
 from apd_viewer.session.model.state import State
@@ -63,6 +66,7 @@ from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
 _CHART, _LETTERS = QSize(1016, 230), 12  # px; size of a chart, and font size
 _PICTURED = 4  # most pictures of steps
+_FROM_ABOVE = 0.05  # sine of the angle to the vertical from which on a view along it is not taken over
 _LONGEST = 24_000_000  # largest embedded session in bytes; base64 adds a third
 
 
@@ -75,6 +79,7 @@ class _ReportMeasurements:
     values: np.ndarray
     shades: np.ndarray
     scale: Scale
+    view: html_page.PageView
 
 
 class ReportController:
@@ -278,7 +283,9 @@ class ReportController:
         histogram = self._histogram(measured.evidence.change)
         charts = [(chart, caption) for chart, caption in self._charts() if chart.curves] if steps else []
         curves = tuple(self._drawing(chart, caption, 0.0) for chart, caption in charts)
-        return lambda: ReportDrawings(_picture_row(images, legend), histogram, _picture_row(of_steps), curves)
+        return lambda: ReportDrawings(
+            measured.view, _picture_row(images, legend), histogram, _picture_row(of_steps), curves
+        )
 
     def _histogram(self, change: LocalChange) -> html_page.PageDrawing:
         chart = replace(reading_charts.local_change(change), title="", readings=())
@@ -305,10 +312,15 @@ def _pictured_steps(steps: Sequence[ReportStep]) -> list[ReportStep]:
     """Evenly spaced steps of a run, by the method that solved its last one."""
     if len(steps) < 2:
         return []
-    method = steps[-1].state.document.settings.method
-    same = [step for step in steps if step.state.document.settings.method == method]
+    same = _steps_by_method(steps, steps[-1].state)
     chosen = np.unique(np.linspace(0, len(same) - 1, min(_PICTURED, len(same))).round().astype(int))
     return [same[k] for k in chosen]
+
+
+def _steps_by_method(steps: Sequence[ReportStep], state: State) -> list[ReportStep]:
+    """Steps solved by the method of a state."""
+    method = state.document.settings.method
+    return [step for step in steps if step.state.document.settings.method == method]
 
 
 def _completed_checks(
@@ -331,19 +343,53 @@ def _measure(subject: ReportSubject, view: View, chosen: Scale | None) -> _Repor
         state.frame.U,
         state.document.target_shape,
     )
-    values = Deviation(mesh.V, skin.joined, skin.source).area_change(U)
+    deviation = Deviation(mesh.V, skin.joined, skin.source)
+    values = deviation.area_change(U)
     span, scale = span_of(values), chosen or default_scale(Measure.AREA, 1.0)
     if chosen is None and span is not None:
         scale = scale.fitted_to(span)
-    shades = np.full(len(U), 255, dtype=np.uint8)
-    write_shades(values, scale.measure.is_signed, scale.end, shades)
+    shades = _shades(values, scale)
     evidence = ReportReadings(
         local_change(U, skin.F, triangle_areas(mesh.V, mesh.F)),
         None if mesh.path is None else fingerprint(mesh.path),
         _session_of(state, view),
         None if target is None else target_distance_fields(target, mesh, U),
     )
-    return _ReportMeasurements(subject, evidence, values, shades, scale)
+    return _ReportMeasurements(
+        subject, evidence, values, shades, scale, _shape_view(subject, view, deviation, scale)
+    )
+
+
+def _shades(values: np.ndarray, scale: Scale) -> np.ndarray:
+    """Shades (n,) uint8 of values on a scale."""
+    shades = np.full(len(values), 255, dtype=np.uint8)
+    write_shades(values, scale.measure.is_signed, scale.end, shades)
+    return shades
+
+
+def _shape_view(subject: ReportSubject, view: View, deviation: Deviation, scale: Scale) -> html_page.PageView:
+    """View of the shape, and of the steps by its method if it is one of them."""
+    state, document = subject.state, subject.state.document
+    steps = _steps_by_method(subject.steps, state)
+    current = next((k for k, step in enumerate(steps) if step.state.frame.U is state.frame.U), None)
+    if current is None:
+        steps, current = [ReportStep(0, state, None)], 0
+    shapes = [
+        ViewedShape(
+            tr("Step {number}").format(number=step.number),
+            step.state.frame.U,
+            _shades(deviation.area_change(step.state.frame.U), scale),
+        )
+        for step in steps
+    ]
+    up, direction = subject.up_axis.direction, np.array(VIEW_DIRECTION) @ subject.up_axis.frame
+    if (camera := view.camera) is not None:
+        seen = np.subtract(camera.position, camera.focal)
+        if np.linalg.norm(np.cross(seen, up)) > _FROM_ABOVE * np.linalg.norm(seen):
+            direction = seen
+    paint = label_colors(document.labels, document.member)[:, :3]
+    shown = ViewedMesh(document.mesh.V, document.mesh.joined_F, paint)
+    return report_view(shown, shapes, current, scale, direction.tolist(), up.tolist())
 
 
 def _session_of(state: State, view: View) -> bytes:
