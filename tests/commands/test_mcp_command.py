@@ -15,14 +15,8 @@ from meshes import ends, sphere
 from process_tree import tree_of
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands.mcp_command import (
-    LONGEST_MESSAGE,
-    REVISIONS,
-    STATELESS,
-    TOOLS,
-    command_words,
-    tool_fields,
-)
+from apd_viewer.commands.mcp_command import LONGEST_MESSAGE, REVISIONS, STATELESS
+from apd_viewer.commands.tool_arguments import TOOLS, command_words, tool_fields
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
