@@ -9,7 +9,6 @@
  * positions: Float32Array (3n), best around the origin. triangles: Uint32Array (3m).
  * colors: Uint8Array (3n), RGB of each vertex, or null for grey.
  * label: name for screen readers. direction, up: from the mesh to the viewer, and upwards.
- * extent: Float32Array of more points that fit() leaves room for, such as corners of the boxes of shapes to come.
  *
  * Returns null where there is no WebGL2, or else an object:
  *   canvas                    the element
@@ -32,7 +31,7 @@
  * plus, minus, and Home to fit. Nothing is drawn unless something has changed.
  */
 export function createMeshView(container, {
-  positions, triangles, colors = null, label = "", direction = [0.55, 0.28, 1], up = [0, 1, 0], extent = null,
+  positions, triangles, colors = null, label = "", direction = [0.55, 0.28, 1], up = [0, 1, 0],
 }) {
   const FIELD = Math.tan(Math.PI / 12); // tangent of half the field of view, which is 30 degrees
   const add = (a, b, s = 1) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
@@ -73,15 +72,11 @@ export function createMeshView(container, {
     return N;
   }
 
-  function shown() {
-    return [positions, ghost, extent].filter(Boolean);
-  }
-
   function bounds() {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    for (const P of shown()) {
+    for (const P of ghost ? [positions, ghost] : [positions]) {
       for (let i = 0; i < P.length; i++) {
-        if (P !== extent && !used[(i / 3) | 0]) continue;
+        if (!used[(i / 3) | 0]) continue;
         const k = i % 3;
         if (P[i] < low[k]) low[k] = P[i];
         if (P[i] > high[k]) high[k] = P[i];
@@ -115,9 +110,9 @@ export function createMeshView(container, {
     box = bounds();
     camera.target = box.centre;
     let distance = 1e-3 * box.radius;
-    for (const P of shown()) {
+    for (const P of ghost ? [positions, ghost] : [positions]) {
       for (let i = 0; i < P.length; i += 3) {
-        if (P !== extent && !used[i / 3]) continue;
+        if (!used[i / 3]) continue;
         const q = [P[i] - box.centre[0], P[i + 1] - box.centre[1], P[i + 2] - box.centre[2]];
         const across = Math.max(Math.abs(dot(q, top)), Math.abs(dot(q, right)) * height / width);
         distance = Math.max(distance, 1.1 * across / FIELD + dot(q, toward));
