@@ -10,7 +10,6 @@
  * colors: Uint8Array (3n), RGB of each vertex, or null for grey.
  * label: name for screen readers. direction, up: from the mesh to the viewer, and upwards. margin: beside what
  *   `fit` shows, 1 for none.
- * extent: Float32Array of more points that fit() leaves room for, such as corners of the boxes of shapes to come.
  *
  * Returns null where there is no WebGL2, or else an object:
  *   canvas                    the element
@@ -35,7 +34,6 @@
  */
 export function createMeshView(container, {
   positions, triangles, colors = null, label = "", direction = [0.55, 0.28, 1], up = [0, 1, 0], margin = 1.1,
-  extent = null,
 }) {
   const FIELD = Math.tan(Math.PI / 12); // tangent of half the field of view, which is 30 degrees
   const add = (a, b, s = 1) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
@@ -49,9 +47,20 @@ export function createMeshView(container, {
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", label);
-  const gl = canvas.getContext("webgl2", { antialias: true, alpha: true });
+  // Without a graphics processor smooth edges take longer than all else, and the cores that a solver needs: they
+  // are drawn once the view is at rest, by twice as many pixels each way.
+  const isSlow = hasNoGraphicsProcessor();
+  const gl = canvas.getContext("webgl2", { antialias: !isSlow });
   if (!gl) return null;
   container.append(canvas);
+
+  function hasNoGraphicsProcessor() {
+    const probe = document.createElement("canvas").getContext("webgl2");
+    const info = probe?.getExtension("WEBGL_debug_renderer_info");
+    const name = info ? probe.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+    probe?.getExtension("WEBGL_lose_context")?.loseContext();
+    return /swiftshader|llvmpipe|software|basic render/i.test(name);
+  }
 
   // Shapes: positions, normals, and the vertices that triangles use
 
@@ -76,15 +85,11 @@ export function createMeshView(container, {
     return N;
   }
 
-  function shown() {
-    return [positions, ghost, extent].filter(Boolean);
-  }
-
   function bounds() {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    for (const P of shown()) {
+    for (const P of ghost ? [positions, ghost] : [positions]) {
       for (let i = 0; i < P.length; i++) {
-        if (P !== extent && !used[(i / 3) | 0]) continue;
+        if (!used[(i / 3) | 0]) continue;
         const k = i % 3;
         if (P[i] < low[k]) low[k] = P[i];
         if (P[i] > high[k]) high[k] = P[i];
@@ -118,9 +123,9 @@ export function createMeshView(container, {
     box = bounds();
     camera.target = box.centre;
     let distance = 1e-3 * box.radius;
-    for (const P of shown()) {
+    for (const P of ghost ? [positions, ghost] : [positions]) {
       for (let i = 0; i < P.length; i += 3) {
-        if (P !== extent && !used[i / 3]) continue;
+        if (!used[i / 3]) continue;
         const q = [P[i] - box.centre[0], P[i + 1] - box.centre[1], P[i + 2] - box.centre[2]];
         const across = Math.max(Math.abs(dot(q, top)), Math.abs(dot(q, right)) * height / width);
         distance = Math.max(distance, margin * across / FIELD + dot(q, toward));
@@ -251,7 +256,8 @@ export function createMeshView(container, {
         const t = R.map((row, i) => gizmo.place[i] - dot(row, from));
         matrix = [...R[0], t[0], ...R[1], t[1], ...R[2], t[2], 0, 0, 0, 1];
         drag(matrix, "move");
-        redraw();
+        if (isSlow) later ||= setTimeout(redraw, 200); // unless a new shape has it drawn before
+        else redraw();
       },
       end() { drag(matrix, "end"); redraw(); },
     };
@@ -296,9 +302,11 @@ export function createMeshView(container, {
       pixel = vec4(min(c * light + shine, 1.0) * alpha, alpha);
     }`;
   const GREY = [205, 203, 198];
-  let program, where, mesh, double, tool, pending = 0;
+  const SLOW = 30; // milliseconds until a frame is seen to be done, at most two refreshes of a screen
+  let program, where, mesh, double, tool, pending = 0, fence = null, began = 0, rest = 0, still = 0, later = 0;
 
   function begin() { // again after the context was lost
+    fence = null;
     program = gl.createProgram();
     for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
       const shader = gl.createShader(kind);
@@ -377,14 +385,37 @@ export function createMeshView(container, {
     return 0.3 * r + 0.6 * g + 0.1 * b > 140;
   }
 
+  /** Draw soon. A slow frame is followed by a pause as long, so that half of the time is left to others. */
   function redraw() {
-    pending ||= requestAnimationFrame(() => draw());
+    pending ||= requestAnimationFrame(function next(now) {
+      if (fence && gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED) {
+        pending = requestAnimationFrame(next);
+        return;
+      }
+      if (fence) {
+        const took = now - began;
+        rest = now + (took > SLOW ? took : 0);
+        gl.deleteSync(fence);
+        fence = null;
+      }
+      if (now < rest) {
+        pending = requestAnimationFrame(next);
+        return;
+      }
+      draw();
+      clearTimeout(still);
+      if (isSlow) still = setTimeout(() => draw(true, true), 400);
+      began = now;
+      fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+      gl.flush();
+    });
   }
 
-  function draw(hasGizmo = true) {
+  function draw(hasGizmo = true, isFine = false) {
     cancelAnimationFrame(pending);
-    pending = 0;
-    const [width, height] = sizes(), ratio = window.devicePixelRatio || 1;
+    clearTimeout(later);
+    pending = later = 0;
+    const [width, height] = sizes(), ratio = (window.devicePixelRatio || 1) * (isFine ? 2 : 1);
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
     const { right, up: top, toward, eye } = axes(), R = [right, top, toward];
@@ -554,7 +585,7 @@ export function createMeshView(container, {
   dark.addEventListener("change", redraw);
 
   function picture() {
-    draw(false);
+    draw(false, isSlow);
     const url = canvas.toDataURL("image/png");
     redraw();
     return url;
@@ -562,6 +593,8 @@ export function createMeshView(container, {
 
   function dispose() {
     cancelAnimationFrame(pending);
+    clearTimeout(still);
+    clearTimeout(later);
     watcher.disconnect();
     dark.removeEventListener("change", redraw);
     gl.getExtension("WEBGL_lose_context")?.loseContext();

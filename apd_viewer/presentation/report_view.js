@@ -4,16 +4,25 @@ function showReport(root) {
   const bytes = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
   const words = (text) => new Uint16Array(bytes(text).buffer);
   const centre = told.rest.low.map((x, k) => x + told.rest.size[k] / 2);
-  const positionsOf = (shape) =>
-    Float32Array.from(words(shape.positions), (x, i) => shape.low[i % 3] - centre[i % 3] + (x / 65535) * shape.size[i % 3]);
-  const corners = [told.rest, ...told.shapes].flatMap(({ low, size }) =>
-    Array.from({ length: 24 }, (_, i) => low[i % 3] - centre[i % 3] + (Math.floor(i / 3) >> (i % 3) & 1) * size[i % 3]));
-  const palette = bytes(told.palette), rest = positionsOf(told.rest), paint = bytes(told.rest.paint);
+  // Outermost points of all shapes, in triangles that cannot be seen: the camera leaves room for the motion.
+  const corners = told.extent.map((x, i) => x - centre[i % 3]);
+  const positionsOf = ({ positions, low, size }) => {
+    const levels = words(positions), found = new Float32Array(levels.length + corners.length);
+    levels.forEach((x, i) => { found[i] = low[i % 3] - centre[i % 3] + (x / 65535) * size[i % 3]; });
+    found.set(corners, levels.length);
+    return found;
+  };
+  const rest = positionsOf(told.rest), palette = bytes(told.palette), paint = new Uint8Array(rest.length);
+  paint.set(bytes(told.rest.paint));
+  const given = bytes(told.triangles), seen = told.wide ? new Uint32Array(given.buffer) : new Uint16Array(given.buffer);
+  const triangles = new Uint32Array(seen.length + corners.length);
+  triangles.set(seen);
+  corners.forEach((_, i) => { triangles[seen.length + i] = (rest.length - corners.length) / 3 + Math.floor(i / 3); });
   const cache = new Map();
   const shapeAt = (k) => {
     if (!cache.has(k)) {
-      const shades = bytes(told.shapes[k].shades), colors = new Uint8Array(3 * shades.length);
-      shades.forEach((shade, v) => colors.set(palette.subarray(3 * shade, 3 * shade + 3), 3 * v));
+      const colors = new Uint8Array(rest.length);
+      bytes(told.shapes[k].shades).forEach((shade, v) => colors.set(palette.subarray(3 * shade, 3 * shade + 3), 3 * v));
       cache.set(k, { positions: positionsOf(told.shapes[k]), colors });
     }
     return cache.get(k);
@@ -23,9 +32,7 @@ function showReport(root) {
   const first = shapeAt(told.current);
   const view = createMeshView(stage, {
     ...first,
-    triangles: told.wide ? new Uint32Array(bytes(told.triangles).buffer) : Uint32Array.from(words(told.triangles)),
-    label: root.getAttribute("aria-label"), direction: told.direction, up: told.up,
-    extent: Float32Array.from(corners), // the camera stays along the motion
+    triangles, label: root.getAttribute("aria-label"), direction: told.direction, up: told.up,
   });
   if (!view) {
     section.classList.remove("viewed");

@@ -16,6 +16,7 @@ from apd_viewer.presentation.scales import Scale
 
 MOST_TRIANGLES = 120_000  # drawn smoothly without a graphics card, and less than 65,536 vertices
 MOST_BYTES = 7_000_000  # of all arrays; base64 adds a third
+_DIRECTIONS = 100  # 12 degrees apart, so that room is 2 % too small at most, less than the margin of a view
 _STEPS = 65535  # of a coordinate in 16 bits, across the box of a shape
 _NO_VALUE = (160, 160, 160)  # colour of a vertex without a triangle
 _FILES = "report_view.css", "mesh_view.js", "report_view.js"
@@ -80,6 +81,7 @@ def report_view(
             }
             for k in chosen
         ],
+        "extent": _outermost([mesh.V[kept], *(shapes[k].U[kept] for k in chosen)]).ravel().tolist(),
         "current": chosen.index(current),
         "pause": tr("Pause"),
     }
@@ -139,6 +141,18 @@ def _shape(X: np.ndarray) -> dict[str, Any]:
     size = np.where(high > low, high - low, 1.0)
     levels = np.rint((X - low) / size * _STEPS)
     return {"low": low.tolist(), "size": size.tolist(), "positions": _text(levels, "<u2")}
+
+
+def _outermost(shapes: Sequence[np.ndarray]) -> np.ndarray:
+    """Outermost points (100, 3) of shapes in directions all around."""
+    k = np.arange(_DIRECTIONS) + 0.5
+    height, turn = 1.0 - 2.0 * k / _DIRECTIONS, np.pi * (1.0 + 5.0**0.5) * k
+    level = np.sqrt(1.0 - height**2)
+    D = np.column_stack([level * np.cos(turn), level * np.sin(turn), height])
+    found = np.stack([X[(X @ D.T).argmax(axis=0)] for X in shapes if len(X)])
+    best = np.einsum("sdi,di->sd", found, D).argmax(axis=0)
+    outermost: np.ndarray = found[best, np.arange(_DIRECTIONS)]
+    return outermost
 
 
 def _palette(scale: Scale) -> np.ndarray:

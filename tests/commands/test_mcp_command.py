@@ -123,6 +123,7 @@ def test_mcp_command_answers_the_revision_it_knows(folder):
         assert refused["data"]["supported"] == told["supportedVersions"]
 
 
+@pytest.mark.night  # by day the exchange without a picture
 def test_mcp_command_sends_the_picture_that_was_asked_for(folder):
     with Client(folder) as client:
         told = client.call(

@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import json
 import re
 import zipfile
 from pathlib import Path
@@ -34,6 +35,18 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.sharing.report_dialogs import ReportDialog
+
+
+def shapes_of_view(path):
+    """Positions (n, 3) at rest and deformed in the view of a report."""
+    text = path.read_text(encoding="utf-8")
+    told = json.loads(re.search(r'<script type="application/json">(.*?)</script>', text, re.DOTALL)[1])
+
+    def positions(shape):
+        levels = np.frombuffer(base64.b64decode(shape["positions"]), "<u2").reshape(-1, 3)
+        return np.array(shape["low"]) + levels / 65535 * np.array(shape["size"])
+
+    return positions(told["rest"]), [positions(shape) for shape in told["shapes"]]
 
 
 def write(qtbot, window, path):
@@ -180,7 +193,10 @@ def test_report_controller_writes_what_the_panel_says_and_what_others_measure(qt
 def test_report_controller_writes_pictures_and_the_session_and_nobodys_folder(qtbot, twisted, file, tmp_path):
     state, path = twisted.session.store.state, tmp_path / "report.html"
     page = write(qtbot, twisted, path)
-    assert "script" not in page.tags
+    assert page.tags.count("script") == 2  # the shapes of the view, and the one that shows them
+    rest, shapes = shapes_of_view(path)
+    for found, X in ((rest, state.document.mesh.V), *((found, state.frame.U) for found in shapes)):
+        np.testing.assert_allclose(found, X, atol=1e-5 * np.ptp(X, axis=0).max())
     assert page.wrong == []
     assert all(value.startswith("data:") for _, value in page.held)
     held = [base64.b64decode(value.partition(",")[2]) for _, value in page.held]

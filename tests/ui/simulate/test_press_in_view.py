@@ -1,6 +1,7 @@
 """A press in a real window: with counted inputs, paused, gone back in, opened again and exported."""
 
 import csv
+import json
 import re
 
 import numpy as np
@@ -322,6 +323,12 @@ def test_press_in_view_has_its_steps_in_the_report(qtbot, window, tmp_path):
     assert len({row.tobytes() for row in loads}) == 3, "each picture is of another shape"
     pictures = re.findall('base64,([^"]*)', table.partition("<svg")[0])
     assert len(set(pictures)) == 3
+    view = json.loads(
+        re.search('<script type="application/json">(.*?)</script>', path.read_text(encoding="utf-8"))[1]
+    )
+    assert [shape["name"] for shape in view["shapes"]] == ["Step 0", "Step 1", "Step 2"]
+    sizes = [np.ptp(step.non_wall_state.frame.U, axis=0) for step in steps(window)]
+    np.testing.assert_allclose([shape["size"] for shape in view["shapes"]], sizes)
     notes = path.read_text(encoding="utf-8").partition("<h2>Assumptions</h2>")[2].partition("</section>")[0]
     assert "without gravity and friction" in notes
     assert "Loads are relative" in notes, "the thickness of the wall is not known"
