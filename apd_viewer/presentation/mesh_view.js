@@ -47,9 +47,20 @@ export function createMeshView(container, {
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", label);
-  const gl = canvas.getContext("webgl2", { antialias: true, alpha: true });
+  // Without a graphics processor smooth edges take longer than all else, and the cores that a solver needs: they
+  // are drawn once the view is at rest, by twice as many pixels each way.
+  const isSlow = hasNoGraphicsProcessor();
+  const gl = canvas.getContext("webgl2", { antialias: !isSlow });
   if (!gl) return null;
   container.append(canvas);
+
+  function hasNoGraphicsProcessor() {
+    const probe = document.createElement("canvas").getContext("webgl2");
+    const info = probe?.getExtension("WEBGL_debug_renderer_info");
+    const name = info ? probe.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+    probe?.getExtension("WEBGL_lose_context")?.loseContext();
+    return /swiftshader|llvmpipe|software|basic render/i.test(name);
+  }
 
   // Shapes: positions, normals, and the vertices that triangles use
 
@@ -290,9 +301,11 @@ export function createMeshView(container, {
       pixel = vec4(min(c * light + shine, 1.0) * alpha, alpha);
     }`;
   const GREY = [205, 203, 198];
-  let program, where, mesh, double, tool, pending = 0;
+  const SLOW = 30; // milliseconds until a frame is seen to be done, at most two refreshes of a screen
+  let program, where, mesh, double, tool, pending = 0, fence = null, began = 0, rest = 0, still = 0;
 
   function begin() { // again after the context was lost
+    fence = null;
     program = gl.createProgram();
     for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
       const shader = gl.createShader(kind);
@@ -371,14 +384,36 @@ export function createMeshView(container, {
     return 0.3 * r + 0.6 * g + 0.1 * b > 140;
   }
 
+  /** Draw soon. A slow frame is followed by a pause as long, so that half of the time is left to others. */
   function redraw() {
-    pending ||= requestAnimationFrame(() => draw());
+    pending ||= requestAnimationFrame(function next(now) {
+      if (fence && gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED) {
+        pending = requestAnimationFrame(next);
+        return;
+      }
+      if (fence) {
+        const took = now - began;
+        rest = now + (took > SLOW ? took : 0);
+        gl.deleteSync(fence);
+        fence = null;
+      }
+      if (now < rest) {
+        pending = requestAnimationFrame(next);
+        return;
+      }
+      draw();
+      clearTimeout(still);
+      if (isSlow) still = setTimeout(() => draw(true, true), 400);
+      began = now;
+      fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+      gl.flush();
+    });
   }
 
-  function draw(hasGizmo = true) {
+  function draw(hasGizmo = true, isFine = false) {
     cancelAnimationFrame(pending);
     pending = 0;
-    const [width, height] = sizes(), ratio = window.devicePixelRatio || 1;
+    const [width, height] = sizes(), ratio = (window.devicePixelRatio || 1) * (isFine ? 2 : 1);
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
     const { right, up: top, toward, eye } = axes(), R = [right, top, toward];
@@ -548,7 +583,7 @@ export function createMeshView(container, {
   dark.addEventListener("change", redraw);
 
   function picture() {
-    draw(false);
+    draw(false, isSlow);
     const url = canvas.toDataURL("image/png");
     redraw();
     return url;
@@ -556,6 +591,7 @@ export function createMeshView(container, {
 
   function dispose() {
     cancelAnimationFrame(pending);
+    clearTimeout(still);
     watcher.disconnect();
     dark.removeEventListener("change", redraw);
     gl.getExtension("WEBGL_lose_context")?.loseContext();
