@@ -256,7 +256,8 @@ export function createMeshView(container, {
         const t = R.map((row, i) => gizmo.place[i] - dot(row, from));
         matrix = [...R[0], t[0], ...R[1], t[1], ...R[2], t[2], 0, 0, 0, 1];
         drag(matrix, "move");
-        redraw();
+        if (isSlow) later ||= setTimeout(redraw, 200); // unless a new shape has it drawn before
+        else redraw();
       },
       end() { drag(matrix, "end"); redraw(); },
     };
@@ -302,7 +303,7 @@ export function createMeshView(container, {
     }`;
   const GREY = [205, 203, 198];
   const SLOW = 30; // milliseconds until a frame is seen to be done, at most two refreshes of a screen
-  let program, where, mesh, double, tool, pending = 0, fence = null, began = 0, rest = 0, still = 0;
+  let program, where, mesh, double, tool, pending = 0, fence = null, began = 0, rest = 0, still = 0, later = 0;
 
   function begin() { // again after the context was lost
     fence = null;
@@ -412,7 +413,8 @@ export function createMeshView(container, {
 
   function draw(hasGizmo = true, isFine = false) {
     cancelAnimationFrame(pending);
-    pending = 0;
+    clearTimeout(later);
+    pending = later = 0;
     const [width, height] = sizes(), ratio = (window.devicePixelRatio || 1) * (isFine ? 2 : 1);
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
@@ -592,6 +594,7 @@ export function createMeshView(container, {
   function dispose() {
     cancelAnimationFrame(pending);
     clearTimeout(still);
+    clearTimeout(later);
     watcher.disconnect();
     dark.removeEventListener("change", redraw);
     gl.getExtension("WEBGL_lose_context")?.loseContext();
