@@ -103,7 +103,7 @@ def test_live_view_follows_the_newest_drag_from_where_it_began(view):
 def test_live_view_is_painted_and_undone_stroke_by_stroke():
     view = LiveView(MESH)
     told, arrays = view.answer({"op": "hello", "view": "one"})
-    assert told["hello"] == "one"
+    assert told["view"] == "one"
     assert "base" in told["hint"]
     np.testing.assert_allclose(np.frombuffer(arrays[2], "<f4").reshape(-1, 3), V - CENTRE, atol=1e-6)
     np.testing.assert_array_equal(np.frombuffer(arrays[3], "<u4").reshape(-1, 3), F)
@@ -220,5 +220,5 @@ def test_live_view_leaves_a_picture_and_no_mesh_in_a_notebook(view, monkeypatch)
     assert widget.sent.pop() == ({"wake": True}, ())
     widget.asked(widget, {"op": "hello", "view": "a"}, [])
     told, arrays = widget.sent.pop()
-    assert told["hello"] == "a"
+    assert told["view"] == "a"
     assert len(arrays) == 4
