@@ -142,7 +142,7 @@ class LiveView:
         low, high = mesh.V.min(axis=0), mesh.V.max(axis=0)
         self._centre = (low + high) / 2
         if next_paint_sentence(self._held.labels) is None:
-            made = self._deformation()
+            made = _deformation(mesh, self.fixed, self.handles, settings)
             self._solver.open(lambda: made, self.targets, None)
 
     # What scripts read
@@ -347,9 +347,6 @@ class LiveView:
             return
         make = partial(_deformation, self.mesh, self.fixed, self.handles, self.settings)
         self._solver.open(make, self.targets, self.U)
-
-    def _deformation(self) -> Deformation:
-        return _deformation(self.mesh, self.fixed, self.handles, self.settings)
 
     def _check_painted(self) -> None:
         missing = next_paint_sentence(self._held.labels)

