@@ -64,7 +64,7 @@ class LiveSolver:
         return self._shape
 
     def open(self, make: Callable[[], Deformation], targets: np.ndarray, U: np.ndarray | None) -> None:
-        """Go on with the solver from ``make``, at ``targets`` (k, 3) and from the shape ``U``."""
+        """Go on with the solver from ``make``, to ``targets`` (k, 3) from ``U``."""
         self._begin(_Motion(targets, make, U))
 
     def aim(self, targets: np.ndarray) -> None:

@@ -1,6 +1,6 @@
 /**
  * Page of the notebook's widget: buttons, mesh_view.js and a line of readings. Asks for the next shape only
- * when the last one has come, with the newest drag; the kernel keeps all that counts.
+ * when one has come, with the newest drag; the kernel keeps all that counts.
  */
 const STYLE = `
   .apd { display: flex; flex-direction: column; font: 13px/1.4 system-ui, sans-serif; color: inherit; max-width: 100%;
@@ -44,27 +44,29 @@ function render({ model, el }) {
   const name = String(Math.random());
   let view = null, texts, colors, labels, positions, triangles, told = {};
   let tool = -1, active = HANDLE, size = 28; // -1 drags, else the label that the brush paints
-  let isWaiting = false, wanted = null, drag = null, stroke = null;
+  let waiting = 0, wanted = null, drag = null, stroke = null;
   const queue = []; // strokes and the like, which all count
 
-  // One request at a time; of drags only the newest
+  // Two requests at a time, so that the way to the kernel and back costs no shapes; of drags only the newest
 
   function ask() {
-    if (isWaiting || !view) return;
+    if (waiting > 1 || !view) return;
     const next = queue.shift() ?? (wanted && { ...wanted, op: "drag" }) ?? (told.isAtWork && { op: "next" });
     if (!next) return;
     if (next.op === "drag") wanted = null;
-    isWaiting = true;
+    waiting += 1;
     const { bytes, ...message } = next;
-    model.send({ ...message, number: told.number ?? 0 }, undefined, bytes ? [bytes.buffer] : []);
+    model.send({ ...message, view: name, number: told.number ?? 0 }, undefined, bytes ? [bytes.buffer] : []);
+    ask();
   }
 
   function take(message, buffers) {
     if (message.wake) { told.isAtWork = true; return ask(); }
-    if (message.hello && message.hello !== name) return;
+    if (message.hello && message.view !== name) return;
     const arrays = buffers.map((b) => b.buffer.slice(b.byteOffset, b.byteOffset + b.byteLength));
-    isWaiting = false;
+    if (message.view === name && !message.hello) waiting = Math.max(waiting - 1, 0);
     told = message;
+    if (!message.hello) ask(); // before anything is drawn
     if (message.labels) {
       labels = new Uint8Array(arrays[0]);
       positions = new Float32Array(arrays[1]);

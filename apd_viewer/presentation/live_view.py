@@ -136,12 +136,13 @@ class LiveView:
         self._held = _Held(_labels(len(mesh.V), base, handles), mesh.V)
         self._history: list[_Held] = []
         self._dragged: np.ndarray | None = None  # places when the drag began
+        self._shown = 0  # number of the newest shape that pages have
         self._solver, self._widget = LiveSolver(), None
         weakref.finalize(self, self._solver.close)
         low, high = mesh.V.min(axis=0), mesh.V.max(axis=0)
         self._centre = (low + high) / 2
         if next_paint_sentence(self._held.labels) is None:
-            made = self._deformation()
+            made = _deformation(mesh, self.fixed, self.handles, settings)
             self._solver.open(lambda: made, self.targets, None)
 
     # What scripts read
@@ -237,6 +238,10 @@ class LiveView:
 
         The solver is on another thread, and has mostly computed the answer ahead.
         """
+        told, arrays = self._answer(message, buffers)
+        return told | {"view": message.get("view")}, arrays
+
+    def _answer(self, message: dict[str, Any], buffers: Sequence[Any]) -> tuple[dict[str, Any], list[bytes]]:
         op = message.get("op")
         try:
             if op == "paint":
@@ -251,14 +256,15 @@ class LiveView:
             told = self._told(self._solver.shape) | {"labels": True}
             arrays = [self._held.labels.astype(np.uint8).tobytes(), self._positions(self.U)]
             if op == "hello":
-                told |= {"hello": message.get("view"), "texts": _texts(), "colors": _colors()}
+                told |= {"hello": True, "texts": _texts(), "colors": _colors()}
                 arrays += [self._positions(self.mesh.V), self.mesh.F.astype("<u4").tobytes()]
             return told, arrays
-        shape = self._solver.newer_shape(int(message.get("number", 0)), _PATIENCE)
-        is_news = shape.frame is not None and shape.number > int(message.get("number", 0))
-        return self._told(shape), [
-            self._positions(self.U if shape.frame is None else shape.frame.U)
-        ] if is_news else []
+        # Of two requests on their way the second waits for the shape after the first one's.
+        shape = self._solver.newer_shape(self._shown, _PATIENCE)
+        if shape.frame is None or shape.number <= int(message.get("number", 0)):
+            return self._told(shape), []
+        self._shown = shape.number
+        return self._told(shape), [self._positions(shape.frame.U)]
 
     def _told(self, shape: LiveShape) -> dict[str, Any]:
         """Readings of a shape for the page, and what it says below the view."""
@@ -341,9 +347,6 @@ class LiveView:
             return
         make = partial(_deformation, self.mesh, self.fixed, self.handles, self.settings)
         self._solver.open(make, self.targets, self.U)
-
-    def _deformation(self) -> Deformation:
-        return _deformation(self.mesh, self.fixed, self.handles, self.settings)
 
     def _check_painted(self) -> None:
         missing = next_paint_sentence(self._held.labels)
