@@ -8,7 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import textured_files
 from animated import animated
+from gltf_scenes import GltfScene
 from mesh_contents import FILES
 from painted_meshes import MESH, painted, write_bar
 from PIL import Image
@@ -65,7 +67,41 @@ def written(name, write):
 def mesh_contents(suffix):
     if suffix == ".3mf":
         return [packed({"[Content_Types].xml": TYPES, "3D/3dmodel.model": MODEL})]
-    return [content for name, content in FILES.items() if name.endswith(suffix)]
+    found = [content for name, content in FILES.items() if name.endswith(suffix)]
+    with tempfile.TemporaryDirectory() as folder:
+        if suffix in (".obj", ".ply", ".glb", ".gltf"):
+            found.append(getattr(textured_files, suffix[1:])(Path(folder)).read_bytes())
+        if suffix in (".glb", ".gltf"):
+            found.append(scene().write(Path(folder, f"scene{suffix}")).read_bytes())
+    return found
+
+
+def texture_files():
+    """Contents of the files that textured meshes refer to, by name."""
+    with tempfile.TemporaryDirectory() as folder:
+        textured_files.obj(Path(folder))
+        return {path.name: path.read_bytes() for path in Path(folder).iterdir() if path.suffix != ".obj"}
+
+
+def scene():
+    """A glTF scene with a skin, instances, a sparse accessor, colours, and shapes with weights."""
+    V, F = MESH.V, MESH.F
+    found = GltfScene()
+    joint = [found.node(translation=[0, 0, k], scale=[1, 1, 2]) for k in range(2)]
+    bound = found.accessor(np.tile(np.eye(4).ravel(), (2, 1)))
+    found.document["skins"] = [{"joints": joint, "inverseBindMatrices": bound}]
+    joints = found.accessor(np.tile([0, 1, 0, 0], (len(V), 1)), "u1")
+    weights = found.accessor(np.tile([0.5, 0.5, 0.0, 0.0], (len(V), 1)))
+    target = found.sparse(len(V), [1, 5], [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0]])
+    colors = found.accessor(np.full((len(V), 4), 0.5))
+    attributes = {"JOINTS_0": joints, "WEIGHTS_0": weights, "COLOR_0": colors}
+    skinned = found.mesh(V, F, [0.5], attributes=attributes, targets=[{"POSITION": target}])
+    found.node(mesh=skinned, skin=0)
+    where = {"TRANSLATION": found.accessor([[0, 0, 0], [9, 0, 0]]), "SCALE": found.accessor(np.ones((2, 3)))}
+    instances = {"EXT_mesh_gpu_instancing": {"attributes": where}}
+    found.node(mesh=found.mesh(V, [0, 1, 2, 3, 4], mode=5), extensions=instances)
+    found.document["extensionsUsed"] = ["EXT_mesh_gpu_instancing"]
+    return found
 
 
 def selection_contents(suffix):
@@ -109,6 +145,23 @@ WALLS = [
 ]
 
 
+def wall_contents():
+    """PLY of the mesh with a thickness at its vertices, and with grey colours."""
+    F = "".join(f"3 {a} {b} {c}\n" for a, b, c in MESH.F.tolist())
+    found = []
+    for properties, values in (
+        ("property float thickness\nproperty float young\n", "0.3 2"),
+        ("property uchar red\nproperty uchar green\nproperty uchar blue\n", "90 90 90"),
+    ):
+        head = f"ply\nformat ascii 1.0\nelement vertex {len(MESH.V)}\n"
+        head += "".join(f"property double {axis}\n" for axis in "xyz") + properties
+        head += f"element face {len(MESH.F)}\nproperty list uchar int vertex_indices\nend_header\n"
+        found.append(
+            (head + "".join(f"{x!r} {y!r} {z!r} {values}\n" for x, y, z in MESH.V.tolist()) + F).encode()
+        )
+    return found
+
+
 def plan_folder(folder):
     """Put what plans name into a folder."""
     write_bar(folder)
@@ -144,9 +197,8 @@ def image_contents():
 
 
 def case_contents():
-    result = CaseResult(
-        "ab12", "done", "", {"mesh": "a"}, {"energy": 1.0}, {"step": [0.0, 1.0]}, {"settled": True}, MESH.V
-    )
+    readings, curves, frame = {"energy": 1.0}, {"step": [0.0, 1.0]}, {"settled": True}
+    result = CaseResult("ab12", {"mesh": "a"}, "done", "", readings, curves, frame, MESH.V)
     return [case_to_bytes(result)]
 
 

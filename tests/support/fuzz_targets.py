@@ -19,7 +19,7 @@ from mesh_contents import FILES, ply
 from painted_meshes import MESH
 
 from apd_viewer.cases.case_file import case_from_bytes, case_to_bytes
-from apd_viewer.cases.design import parse_variable
+from apd_viewer.cases.design import GRID, design_table, parse_variable
 from apd_viewer.cases.plan import parse_cell, read_plan
 from apd_viewer.cases.plan_columns import COLUMNS
 from apd_viewer.cases.study_case import InputFiles
@@ -42,7 +42,7 @@ from apd_viewer.session.posing.motion_text import motion_steps, parse_motion
 from apd_viewer.session.quantities.expressions import parse_angle, parse_length, parse_number, parse_volume
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.volume_target import parse_volume_target
-from apd_viewer.session.quantities.wall import WallText, parse_wall
+from apd_viewer.session.quantities.wall import WallText, typed_mass
 from apd_viewer.session.quantities.wall_distribution import read_distribution
 from apd_viewer.session.storage.part_json import read_obstacles
 from apd_viewer.session.storage.session_file import open_session_file, save_session
@@ -111,6 +111,15 @@ def _mesh(content, suffix):
     assert np.isfinite(mesh.V).all(), "positions that are no numbers"
     if MESH_FORMATS[suffix].writing is not WriteSupport.NONE:
         save_mesh(mesh, 2.0 * mesh.V, FOLDER / f"written{suffix}")
+        origin = mesh.origin
+        each_of(lambda: origin.extras, lambda: origin.colors)
+        each_of(lambda: origin.normals(mesh), lambda: origin.texture(mesh))
+
+
+def _mesh_seeds(suffix):
+    for name, content in seeds.texture_files().items():
+        written(name, content)
+    return seeds.mesh_contents(suffix)
 
 
 def _shapes(content, name):
@@ -151,10 +160,11 @@ def _images(content):
         return
 
 
-def _wall(content):
+def _wall(content, suffix):
+    name = f"wall{suffix}"
     each_of(
-        lambda: read_distribution(written("wall.csv", content), MESH, MM),
-        lambda: read_distribution(FOLDER / "wall.csv", MESH, Unit.NONE),
+        lambda: read_distribution(written(name, content), MESH, MM, "0.1mm..2mm" if suffix == ".ply" else ""),
+        lambda: read_distribution(FOLDER / name, MESH, Unit.NONE),
     )
 
 
@@ -214,8 +224,8 @@ def _typed(content):
         lambda: parse_point(text, STATE, MM),
         lambda: parse_vector(text, STATE),
         lambda: parse_volume_target(text, MM),
-        lambda: parse_variable(text),
-        lambda: parse_wall(WallText.from_field_texts(*text.split("|")), MM),
+        lambda: design_table({"mesh": "a"}, [parse_variable(text)], GRID, 2, 0),
+        lambda: typed_mass(WallText.from_field_texts(*text.split("|")), 9.0, MM),
         *(partial(parse_cell, name, text) for name in COLUMNS),
     )
 
@@ -225,7 +235,7 @@ def _words(*texts):
 
 
 TARGETS: dict[str, Target] = {
-    suffix[1:]: Target(partial(_mesh, suffix=suffix), _MODULES[suffix], partial(seeds.mesh_contents, suffix))
+    suffix[1:]: Target(partial(_mesh, suffix=suffix), _MODULES[suffix], partial(_mesh_seeds, suffix))
     for suffix in MESH_FORMATS
 }
 for _suffix in (".pc2", ".mdd"):
@@ -256,7 +266,14 @@ TARGETS |= {
     "images": Target(
         _images, ("files/formats/texture_images.py", "files/picture_files.py"), seeds.image_contents
     ),
-    "wall": Target(_wall, ("session/quantities/wall_distribution.py",), lambda: seeds.WALLS),
+    "wall-csv": Target(
+        partial(_wall, suffix=".csv"), ("session/quantities/wall_distribution.py",), lambda: seeds.WALLS
+    ),
+    "wall-ply": Target(
+        partial(_wall, suffix=".ply"),
+        ("session/quantities/wall_distribution.py",),
+        lambda: [*seeds.selection_contents(".ply"), *seeds.wall_contents()],
+    ),
     "obstacles": Target(
         lambda content: read_obstacles(written("obstacles.json", content)),
         ("session/storage/part_json.py", "files/storage/json_fields.py"),
@@ -275,7 +292,7 @@ TARGETS |= {
     ),
     "motion": Target(
         _motion,
-        ("session/posing/motion_text.py", "session/posing/motion.py"),
+        ("session/posing/motion_text.py",),
         _words(
             "twist 120deg; push 30%",
             "handle 1: turn 30deg about x; move 0 2cm 0; bend 1rad about z",
@@ -300,6 +317,18 @@ TARGETS |= {
             "1,5mm",
             "250ml",
             "pi rad",
+            "2mm^2/1mm",
+            "atan(1)",
+            "acos(0.5)+asin(1)",
+            "cos(60°)*tan(45deg)",
+            "1.234,5",
+            "1,234",
+            "-(2+-3)*4 in",
+            "2^-2",
+            "(4mm^2)^0.5",
+            "max(1, 2)",
+            "abs(-2)",
+            "1mm + 2",
         ),
     ),
     "typed": Target(
