@@ -17,7 +17,7 @@ from apd_viewer.session.posing.motion import MOTION_KINDS
 LATIN, SOBOL, GRID = "lhs", "sobol", "grid"
 DESIGNS = (LATIN, SOBOL, GRID)
 MOST_SAMPLES = 1_000_000
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(
     rf"\s*(?P<low>{_NUMBER})\s*\.\.\s*(?P<high>{_NUMBER})\s*(?P<unit>[a-zA-Z%]*)\s*(?::\s*(?P<scale>log))?\s*"
 )

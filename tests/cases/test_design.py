@@ -3,6 +3,7 @@
 import csv
 import itertools
 import re
+import time
 
 import numpy as np
 import pytest
@@ -127,6 +128,13 @@ def test_design_table_says_what_cannot_be_designed(case):
     vary, given, words = WRONG[case]
     with pytest.raises(InputError, match=words):
         design_table({**GIVEN, **given}, list(map(parse_variable, vary)), GRID, 1001, 0)
+
+
+def test_parse_variable_takes_no_time_for_many_digits():
+    """A pattern that divides them in every way takes as many steps squared."""
+    began = time.process_time()
+    assert parse_variable(f"a=1..{'1' * 20_000}!").choices == (f"1..{'1' * 20_000}!",)
+    assert time.process_time() - began < 2.0
 
 
 def test_study_design_writes_a_plan_that_finds_its_files(bar, planned, capsys, monkeypatch):

@@ -144,13 +144,11 @@ def other_json(content, chance):
         document, binary = _document(content)
     except (ValueError, RecursionError, struct.error):
         return flipped(content, chance)
-    if not isinstance(document, dict):
-        return content
     places = list(_places(document))
     if not places:
         return content
     holder, key = chance.choice(places)
-    nodes = document.get("nodes")
+    nodes = document.get("nodes") if isinstance(document, dict) else None
     match chance.randrange(6):
         case 0 if isinstance(nodes, list) and nodes and isinstance(nodes[-1], dict):
             nodes[-1]["children"] = [

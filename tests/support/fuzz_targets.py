@@ -1,29 +1,56 @@
 """What ``make fuzz`` reads: each reader with the modules that it consists of and small valid contents.
 
-A target takes bytes and calls the reader as the program does. It may raise its declared error, and nothing else.
+A target takes bytes and calls the reader as the program does. It may raise its declared error, and nothing
+else. What was read is written again by those that can.
 """
 
-import io
+import struct
 import tempfile
-import zipfile
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
+import fuzz_seeds as seeds
 import numpy as np
 from fuzz import ANY, other_json
-from mesh_contents import FILES
+from mesh_contents import FILES, ply
+from painted_meshes import MESH
 
+from apd_viewer.cases.case_file import case_from_bytes, case_to_bytes
+from apd_viewer.cases.design import GRID, design_table, parse_variable
+from apd_viewer.cases.plan import parse_cell, read_plan
+from apd_viewer.cases.plan_columns import COLUMNS
+from apd_viewer.cases.study_case import InputFiles
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_formats import MESH_FORMATS
+from apd_viewer.files.animations.animation_reading import open_animation, read_point_cache
+from apd_viewer.files.formats.texture_images import read_image, read_picture
+from apd_viewer.files.mesh_formats import MESH_FORMATS, WriteSupport
+from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import read_mesh
-from apd_viewer.session.posing.motion_text import parse_motion
+from apd_viewer.files.picture_files import read_png
+from apd_viewer.files.selections.selection_files import (
+    SELECTION_FORMATS,
+    read_selection_file,
+    write_selection,
+)
+from apd_viewer.files.selections.survey_formats import read_region, read_transform
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.posing.motion import MOTION_KINDS
+from apd_viewer.session.posing.motion_text import motion_steps, parse_motion
 from apd_viewer.session.quantities.expressions import parse_angle, parse_length, parse_number, parse_volume
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.storage.session_file import open_session_file
+from apd_viewer.session.quantities.volume_target import parse_volume_target
+from apd_viewer.session.quantities.wall import WallText, typed_mass
+from apd_viewer.session.quantities.wall_distribution import read_distribution
+from apd_viewer.session.storage.part_json import read_obstacles
+from apd_viewer.session.storage.session_file import open_session_file, save_session
+from apd_viewer.session.typed_values import parse_point, parse_vector, parse_vertices
 
 FOLDER = Path(tempfile.mkdtemp(prefix="apd-fuzz-"))
-SESSIONS = Path(__file__).parents[1] / "session" / "storage"
+STATE = initial_state(MESH)
+MM = Unit.MILLIMETRE
 
 
 class Target(NamedTuple):
@@ -33,23 +60,16 @@ class Target(NamedTuple):
     ----------
     modules : tuple of str
         Files in apd_viewer that it consists of, for the count of lines.
+    seeds : callable
+        Makes the contents to begin with.
     error : type
         The exception that it declares.
     """
 
     read: Callable[[bytes], object]
     modules: tuple[str, ...]
-    seeds: tuple[bytes, ...]
+    seeds: Callable[[], Sequence[bytes]]
     error: type[Exception] = InputError
-
-
-def packed(members):
-    """A ZIP archive."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in members.items():
-            archive.writestr(name, content)
-    return stream.getvalue()
 
 
 def written(name, content):
@@ -58,58 +78,130 @@ def written(name, content):
     return path
 
 
+def each_of(*readers):
+    """Call all, though some refuse."""
+    for read in readers:
+        try:
+            read()
+        except InputError:
+            continue
+
+
 # ---- meshes
 
-PACKAGE = Path("files/formats/package_3mf.py")
+_VTK, _GLTF = "files/vtk/", "files/gltf/"
+_XML = tuple(f"{_VTK}{name}.py" for name in ("xml_surface", "xml_arrays", "xml_elements", "cells"))
+_SCENE = tuple(f"{_GLTF}{name}.py" for name in ("scene", "accessors", "gltf_reader"))
 _MODULES = {
     ".obj": ("files/formats/obj.py", "files/formats/text.py"),
     ".ply": ("files/formats/ply.py", "files/formats/ply_elements.py"),
     ".stl": ("files/formats/stl.py",),
     ".off": ("files/formats/off.py",),
-    ".glb": ("files/gltf/scene.py", "files/gltf/accessors.py", "files/gltf/gltf_reader.py"),
+    ".glb": _SCENE,
+    ".gltf": _SCENE,
     ".3mf": ("files/formats/package_3mf.py",),
-    ".vtp": ("files/vtk/xml_surface.py", "files/vtk/xml_arrays.py", "files/vtk/xml_elements.py"),
-    ".vtk": ("files/vtk/legacy.py", "files/vtk/cells.py"),
+    ".vtp": _XML,
+    ".vtu": _XML,
+    ".vtk": (f"{_VTK}legacy.py", f"{_VTK}cells.py"),
 }
-_MODULES |= {".gltf": _MODULES[".glb"], ".vtu": (*_MODULES[".vtp"], "files/vtk/cells.py")}
-_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
-_MODEL = f"""<?xml version="1.0" encoding="UTF-8"?>
-<model unit="millimeter" xml:lang="en-US" xmlns="{_CORE}"><resources>
-<object id="1" type="model" name="a"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>
-<vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/>
-<triangle v1="0" v2="1" v3="3"/><triangle v1="1" v2="2" v3="3"/><triangle v1="0" v2="3" v3="2"/></triangles>
-</mesh></object><object id="2"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 5 0 0"/>
-</components></object></resources>
-<build><item objectid="1"/><item objectid="2" transform="1 0 0 0 1 0 0 0 1 10 0 0"/></build></model>""".encode()
-_TYPES = b"""<?xml version="1.0"?><Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
-<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>"""
 
 
-def _mesh_target(suffix):
-    seeds = tuple(content for name, content in FILES.items() if name.endswith(suffix))
-    if suffix == ".3mf":
-        seeds = (packed({"[Content_Types].xml": _TYPES, "3D/3dmodel.model": _MODEL}),)
-    path = FOLDER / f"mesh{suffix}"
-    return Target(lambda content: read_mesh(path, content), _MODULES[suffix], seeds)
+def _mesh(content, suffix):
+    mesh = read_mesh(FOLDER / f"mesh{suffix}", content)
+    assert np.isfinite(mesh.V).all(), "positions that are no numbers"
+    if MESH_FORMATS[suffix].writing is not WriteSupport.NONE:
+        save_mesh(mesh, 2.0 * mesh.V, FOLDER / f"written{suffix}")
+        origin = mesh.origin
+        each_of(lambda: origin.extras, lambda: origin.colors)
+        each_of(lambda: origin.normals(mesh), lambda: origin.texture(mesh))
+
+
+def _mesh_seeds(suffix):
+    for name, content in seeds.texture_files().items():
+        written(name, content)
+    return seeds.mesh_contents(suffix)
+
+
+def _shapes(content, name):
+    opened = open_animation(written(name, content))
+    for X in opened.shapes:
+        assert X.shape == opened.mesh.V.shape
+
+
+def _series_seeds():
+    for name, content in (("box", FILES["little.ply"]), ("cube", ply(seeds.MESH.V, seeds.MESH.F))):
+        written(f"{name}.ply", content if isinstance(content, bytes) else content.encode())
+    return [seeds.SERIES]
+
+
+def _point_cache(content, suffix):
+    for X in read_point_cache(written(f"cache{suffix}", content), MESH):
+        assert np.isfinite(X).all()
+
+
+# ---- what belongs to a mesh
+
+
+def _selection(content, suffix):
+    selection = read_selection_file(written(f"selection{suffix}", content), MESH)
+    write_selection(FOLDER / f"selected{suffix}", MESH, selection)
+
+
+def _numbers(content):
+    path = written("numbers.sel", content)
+    each_of(lambda: read_region(path, len(MESH.V)), lambda: read_transform(path))
+
+
+def _images(content):
+    each_of(lambda: read_image(content, "a"), lambda: read_picture(content, "a"))
+    try:
+        read_png(content, 64)
+    except ValueError:
+        return
+
+
+def _wall(content, suffix):
+    name = f"wall{suffix}"
+    each_of(
+        lambda: read_distribution(written(name, content), MESH, MM, "0.1mm..2mm" if suffix == ".ply" else ""),
+        lambda: read_distribution(FOLDER / name, MESH, Unit.NONE),
+    )
+
+
+def _plan(content):
+    read_plan(written("plan.csv", content), InputFiles(FOLDER / "inputs", keeps_copies=False))
+
+
+def _plan_seeds():
+    seeds.plan_folder(FOLDER)
+    return seeds.PLANS
+
+
+def _session(content):
+    opened = open_session_file(written("session.apd", content))
+    save_session(FOLDER / "saved.apd", opened.state, opened.view, True, True, timeline=opened.timeline)
+
+
+def _case(content):
+    """A result, with check sum and lengths made right, without which the rest is never read."""
+    head, body = struct.Struct("<IQQ"), content[29:]
+    if len(content) >= 29:
+        text = min(int.from_bytes(content[13:21], "little"), len(body))
+        content = content[:9] + head.pack(zlib.crc32(body), text, len(body) - text) + body
+    case_to_bytes(case_from_bytes(content))
 
 
 # ---- texts
 
-_NAMES = {"X": 1.0, "Y": 2.0, "Z": 3.0, "L": 2.0, "D": 4.0}
-
-
-def _text(content):
-    return content.decode(errors="replace")
-
 
 def _quantities(content):
-    text = _text(content)
+    text, names = content.decode(errors="replace"), MESH.named_lengths
     for read in (
-        lambda: parse_length(text, Unit.MILLIMETRE, _NAMES),
-        lambda: parse_length(text, Unit.NONE, _NAMES),
-        lambda: parse_angle(text, _NAMES),
-        lambda: parse_number(text, _NAMES),
-        lambda: parse_volume(text, Unit.MILLIMETRE),
+        lambda: parse_length(text, MM, names),
+        lambda: parse_length(text, Unit.NONE, names),
+        lambda: parse_angle(text, names),
+        lambda: parse_number(text, names),
+        lambda: parse_volume(text, MM),
     ):
         try:
             found = read()
@@ -119,67 +211,168 @@ def _quantities(content):
 
 
 def _motion(content):
-    for step in parse_motion(_text(content)):
-        step.parse_amounts(Unit.MILLIMETRE)
+    text = content.decode(errors="replace")
+    for step in parse_motion(text):
+        step.parse_amounts(MM)
+    motion_steps(STATE.document, text, MM)
 
 
-TARGETS: dict[str, Target] = {suffix[1:]: _mesh_target(suffix) for suffix in MESH_FORMATS}
-TARGETS["session"] = Target(
-    lambda content: open_session_file(written("session.apd", content)),
-    (
-        "session/storage/session_file.py",
-        "session/storage/session_json.py",
-        "session/storage/part_json.py",
-        "session/storage/timeline_json.py",
-        "files/storage/archive.py",
-        "files/storage/json_fields.py",
-    ),
-    tuple(path.read_bytes() for path in sorted(SESSIONS.glob("*.apd"))),
+def _typed(content):
+    text = content.decode(errors="replace")
+    each_of(
+        lambda: parse_vertices(text, STATE, MM),
+        lambda: parse_point(text, STATE, MM),
+        lambda: parse_vector(text, STATE),
+        lambda: parse_volume_target(text, MM),
+        lambda: design_table({"mesh": "a"}, [parse_variable(text)], GRID, 2, 0),
+        lambda: typed_mass(WallText.from_field_texts(*text.split("|")), 9.0, MM),
+        *(partial(parse_cell, name, text) for name in COLUMNS),
+    )
+
+
+def _words(*texts):
+    return lambda: [text.encode() for text in texts]
+
+
+TARGETS: dict[str, Target] = {
+    suffix[1:]: Target(partial(_mesh, suffix=suffix), _MODULES[suffix], partial(_mesh_seeds, suffix))
+    for suffix in MESH_FORMATS
+}
+for _suffix in (".pc2", ".mdd"):
+    TARGETS[_suffix[1:]] = Target(
+        partial(_point_cache, suffix=_suffix),
+        ("files/animations/animation_reading.py",),
+        partial(seeds.animation_contents, _suffix),
+    )
+TARGETS["morph"] = Target(
+    partial(_shapes, name="morph.glb"),
+    (f"{_GLTF}weight_keys.py", "files/animations/animation_reading.py"),
+    partial(seeds.animation_contents, ".glb"),
 )
-TARGETS["motion"] = Target(
-    _motion,
-    ("session/posing/motion_text.py",),
-    (
-        b"twist 120deg; push 30%",
-        b"handle 2: turn 30deg about x; move 0 2cm 0; bend 1rad about z",
-        b"scale 1.5",
-    ),
+TARGETS["pvd"] = Target(
+    partial(_shapes, name="series.pvd"), ("files/animations/animation_reading.py",), _series_seeds
 )
-TARGETS["quantity"] = Target(
-    _quantities,
-    ("session/quantities/expressions.py",),
-    (
-        b"2*(3mm+1cm)/4",
-        b"sin(30deg)*L",
-        b"1/3 in",
-        b"atan2(1,2)",
-        b"sqrt(4)^2 - -1e3",
-        b"0.5 l",
-        b"min(X, Y, D)",
+for _suffix in SELECTION_FORMATS:
+    TARGETS[f"selection-{_suffix[1:]}"] = Target(
+        partial(_selection, suffix=_suffix),
+        (
+            f"files/selections/{'survey_formats' if _suffix == '.sel' else 'selection_files'}.py",
+            "files/selections/selection.py",
+        ),
+        partial(seeds.selection_contents, _suffix),
+    )
+TARGETS |= {
+    "numbers": Target(_numbers, ("files/selections/survey_formats.py",), seeds.number_contents),
+    "images": Target(
+        _images, ("files/formats/texture_images.py", "files/picture_files.py"), seeds.image_contents
     ),
-)
+    "wall-csv": Target(
+        partial(_wall, suffix=".csv"), ("session/quantities/wall_distribution.py",), lambda: seeds.WALLS
+    ),
+    "wall-ply": Target(
+        partial(_wall, suffix=".ply"),
+        ("session/quantities/wall_distribution.py",),
+        lambda: [*seeds.selection_contents(".ply"), *seeds.wall_contents()],
+    ),
+    "obstacles": Target(
+        lambda content: read_obstacles(written("obstacles.json", content)),
+        ("session/storage/part_json.py", "files/storage/json_fields.py"),
+        seeds.obstacle_contents,
+    ),
+    "plan": Target(_plan, ("cases/plan.py", "cases/plan_columns.py"), _plan_seeds),
+    "case": Target(_case, ("cases/case_file.py",), seeds.case_contents, ValueError),
+    "session": Target(
+        _session,
+        tuple(
+            f"session/storage/{name}.py"
+            for name in ("session_file", "session_json", "part_json", "timeline_json")
+        )
+        + ("files/storage/archive.py", "files/storage/json_fields.py"),
+        seeds.session_contents,
+    ),
+    "motion": Target(
+        _motion,
+        ("session/posing/motion_text.py",),
+        _words(
+            "twist 120deg; push 30%",
+            "handle 1: turn 30deg about x; move 0 2cm 0; bend 1rad about z",
+            "scale 1.5",
+            "handle 2: twist 5",
+            *(f"{word} 1" for word in MOTION_KINDS),
+        ),
+    ),
+    "quantity": Target(
+        _quantities,
+        ("session/quantities/expressions.py",),
+        _words(
+            "2*(3mm+1cm)/4",
+            "sin(30deg)*L",
+            "1/3 in",
+            "atan2(1,2)",
+            "sqrt(4)^2 - -1e3",
+            "0.5 l",
+            "min(X, Y, D)",
+            "1 1/2 ft",
+            "asin(0.5)",
+            "1,5mm",
+            "250ml",
+            "pi rad",
+            "2mm^2/1mm",
+            "atan(1)",
+            "acos(0.5)+asin(1)",
+            "cos(60°)*tan(45deg)",
+            "1.234,5",
+            "1,234",
+            "-(2+-3)*4 in",
+            "2^-2",
+            "(4mm^2)^0.5",
+            "max(1, 2)",
+            "abs(-2)",
+            "1mm + 2",
+        ),
+    ),
+    "typed": Target(
+        _typed,
+        ("session/typed_values.py", "session/quantities/wall.py", "cases/plan_columns.py", "cases/design.py"),
+        _words(
+            "3, 10-20",
+            "y > 80% and x < 0 or -1 < z <= 1mm",
+            "0, 0.5Y, 12mm",
+            "120%",
+            "a=1..5mm:log",
+            "m=a,b",
+            "0.3mm|1.38|2 GPa|0.3||PET",
+            "yes",
+            "auto",
+            "exact",
+            "mm",
+        ),
+    ),
+}
 
 
 # ---- mutation
 
 
-def mutated(content, chance, name, mutate):
+def mutated(content, chance, mutate):
     """Other content for a target: by the damage of fuzz.py, by libFuzzer, or in a member of an archive."""
     if content.startswith(b"PK\3\4") and chance.random() < 0.9:
         try:
-            with zipfile.ZipFile(io.BytesIO(content)) as archive:
-                members = {each: archive.read(each) for each in archive.namelist()[:40]}
-        except Exception:  # whatever the library finds wrong with it
+            members = seeds.unpacked(content)
+        except Exception:  # such as zlib.error: whatever the library finds wrong with it
             return mutate(content)
         if members:
-            which = chance.choice(list(members))
-            members[which] = _other(members[which], chance, which, mutate)
-            return packed(members)
-    return _other(content, chance, name, mutate)
+            texts = [each for each in members if not each.endswith((".npy", ".png", ".obj"))]
+            which = chance.choice(texts if texts and chance.random() < 0.7 else list(members))
+            members[which] = _other(members[which], chance, mutate)
+            return seeds.packed(members)
+    return _other(content, chance, mutate)
 
 
-def _other(content, chance, name, mutate):
+def _other(content, chance, mutate):
+    is_json = content.startswith(b"glTF") or content.lstrip()[:1] in (b"{", b"[")
+    if is_json and chance.random() < 0.6:
+        return other_json(content, chance)
     if not content or chance.random() < 0.4:
         return mutate(content)
-    is_json = content.startswith(b"glTF") or content.lstrip()[:1] == b"{"
-    return (other_json if is_json and chance.random() < 0.7 else chance.choice(ANY))(content, chance)
+    return chance.choice(ANY)(content, chance)

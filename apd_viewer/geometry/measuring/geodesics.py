@@ -21,6 +21,7 @@ from apd_viewer.language import tr
 
 # Barycentric distance at which a point counts as a corner: slivers around it would spoil the angles.
 _CORNER = 1e-6
+_FEWEST_FLIPS = 1000  # limit of flips, beyond the number of triangles
 _ROOM = 1e-9  # rounding tolerance relative to the length of the first path
 
 
@@ -160,7 +161,8 @@ def _straightened_path(
     through = [ids[0], *(at[int(v)] for v in inner), ids[1]]
     try:
         solver = potpourri3d.EdgeFlipGeodesicSolver(V, oriented_triangles(F, len(V)))
-        path: np.ndarray = solver.find_geodesic_path_poly(through)
+        # Where lengths round, some flips undo each other for ever. Others need about sqrt(m) of them.
+        path: np.ndarray = solver.find_geodesic_path_poly(through, max_iterations=len(F) + _FEWEST_FLIPS)
     except RuntimeError:
         raise InputError(tr("No path over the surface joins the points; pick others.")) from None
     return path

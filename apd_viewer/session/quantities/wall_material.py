@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr, trc
-from apd_viewer.session.quantities.expressions import parse_number
+from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, parse_number
 
 DEFAULT_POISSON = 0.4
 GPA = 1e9  # Pa
@@ -160,7 +160,7 @@ def parse_pressure_difference(text: str) -> float:
 
 def has_pressure_unit(text: str) -> bool:
     """True if a text ends with a unit of pressure."""
-    parted = _AMOUNT_AND_WORD.fullmatch(text.strip())
+    parted = _AMOUNT_AND_WORD.fullmatch(text.strip()) if len(text) <= MOST_CHARACTERS else None
     return parted is not None and parted[2].lower() in _PRESSURES
 
 
@@ -175,7 +175,8 @@ def _amount_and_factor(
     text: str, pattern: re.Pattern[str], units: Mapping[str, float], unknown: str
 ) -> tuple[str, float | None]:
     """Amount as typed, and the factor of its unit; None for a bare number."""
-    parted = pattern.fullmatch(text.strip())
+    # Longer ones are no number either; a pattern may take as many steps as they have characters, squared.
+    parted = pattern.fullmatch(text.strip()) if len(text) <= MOST_CHARACTERS else None
     amount, unit = parted.groups() if parted else (text, "")
     unit = "".join(unit.translate(_SPELLINGS).split())
     if unit and unit.lower() not in units:

@@ -134,6 +134,19 @@ def test_geodesic_path_is_not_hurt_by_flipped_faces_crowded_edges_and_bow_ties()
         geodesic_path(corners, bow_tie, 0, 3)
 
 
+def test_geodesic_path_ends_where_lengths_round():
+    """A fan far from the origin, whose flips undo each other for ever; no path is shorter than its chord."""
+    count, (i, j) = 20_000, (1802, 4827)
+    turn = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    rim = np.column_stack([np.cos(turn), np.sin(turn), 0.1 * np.sin(3 * turn)])
+    V, at = np.vstack([[0.0, 0.0, 0.0], rim]) + 1000.0, 1 + np.arange(count)
+    F = np.column_stack([0 * at, at, np.roll(at, -1)])
+    path = geodesic_path(V, F, i, j)
+    chord = np.linalg.norm(V[i] - V[j])
+    assert chord * (1.0 - 1e-12) <= path_length(path) < 2.0
+    assert np.array_equal(path[[0, -1]], V[[i, j]])
+
+
 def test_geodesic_path_refuses_separate_parts_in_a_sentence():
     V, F = grid(1, 1)
     two = np.vstack([V, V + [5.0, 0.0, 0.0]])

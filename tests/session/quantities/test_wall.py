@@ -1,11 +1,17 @@
 """What a wall weighs: against units worked out by hand."""
 
+import time
+
 import pytest
 
 from apd_viewer.errors import InputError
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import WallText, typed_mass
-from apd_viewer.session.quantities.wall_material import parse_density
+from apd_viewer.session.quantities.wall_material import (
+    parse_density,
+    parse_pressure_difference,
+    parse_young_modulus,
+)
 
 MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
 
@@ -143,3 +149,13 @@ def test_mass_unit_of_a_double_wall_is_that_of_what_is_between_its_surfaces(thic
 def test_mass_unit_of_a_wall_in_inches_is_what_it_is_in_centimetres():
     inches = typed_mass(WallText("1/100 in", "1.38"), 100.0, Unit.INCH)
     assert inches == pytest.approx(typed_mass(WallText("0.254mm", "1.38"), 100.0 * 2.54**2, CM), rel=1e-12)
+
+
+@pytest.mark.parametrize("read", [parse_density, parse_young_modulus, parse_pressure_difference])
+@pytest.mark.parametrize("text", ["1{}!", "1{}mbar?", "a{}/"])
+def test_wall_material_takes_no_time_for_many_spaces(read, text):
+    """A pattern that looks for the unit from each of them takes as many steps squared."""
+    began = time.process_time()
+    with pytest.raises(InputError):
+        read(text.replace("{}", " " * 30_000))
+    assert time.process_time() - began < 2.0

@@ -1,0 +1,271 @@
+"""Small valid contents with which the targets of ``make fuzz`` begin."""
+
+import io
+import json
+import tempfile
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import textured_files
+from animated import animated
+from gltf_scenes import GltfScene
+from mesh_contents import FILES
+from painted_meshes import MESH, painted, write_bar
+from PIL import Image
+
+from apd_viewer.cases.case_file import CaseResult, case_to_bytes
+from apd_viewer.files.animations.animation_files import write_animation
+from apd_viewer.files.selections.selection_files import SELECTION_FORMATS, write_selection
+from apd_viewer.session.model.handles_and_regions import NamedRegion
+from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.session.model.state import initial_state
+from apd_viewer.session.model.timeline import Timeline, TimelineStep
+from apd_viewer.session.model.view import CameraPose, RegionImage, UpAxis, View
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import WallText
+from apd_viewer.session.quantities.wall_distribution import thickness_text
+from apd_viewer.session.storage.session_file import save_session
+
+STORED = Path(__file__).parents[1] / "session" / "storage"
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+MODEL = f"""<?xml version="1.0" encoding="UTF-8"?>
+<model unit="millimeter" xml:lang="en-US" xmlns="{CORE}"><resources>
+<object id="1" type="model" name="a"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>
+<vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/>
+<triangle v1="0" v2="1" v3="3"/><triangle v1="1" v2="2" v3="3"/><triangle v1="0" v2="3" v3="2"/></triangles>
+</mesh></object><object id="2"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 5 0 0"/>
+</components></object></resources><build><item objectid="1"/>
+<item objectid="2" transform="1 0 0 0 1 0 0 0 1 10 0 0"/></build></model>"""
+TYPES = """<?xml version="1.0"?><Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
+<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>"""
+
+
+def packed(members):
+    """A ZIP archive."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    return stream.getvalue()
+
+
+def unpacked(content):
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def written(name, write):
+    """Content of a file that ``write`` makes."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, name)
+        write(path)
+        return path.read_bytes()
+
+
+def mesh_contents(suffix):
+    if suffix == ".3mf":
+        return [packed({"[Content_Types].xml": TYPES, "3D/3dmodel.model": MODEL})]
+    found = [content for name, content in FILES.items() if name.endswith(suffix)]
+    with tempfile.TemporaryDirectory() as folder:
+        if suffix in (".obj", ".ply", ".glb", ".gltf"):
+            found.append(getattr(textured_files, suffix[1:])(Path(folder)).read_bytes())
+        if suffix in (".glb", ".gltf"):
+            found.append(scene().write(Path(folder, f"scene{suffix}")).read_bytes())
+    return found
+
+
+def texture_files():
+    """Contents of the files that textured meshes refer to, by name."""
+    with tempfile.TemporaryDirectory() as folder:
+        textured_files.obj(Path(folder))
+        return {path.name: path.read_bytes() for path in Path(folder).iterdir() if path.suffix != ".obj"}
+
+
+def scene():
+    """A glTF scene with a skin, instances, a sparse accessor, colours, and shapes with weights."""
+    V, F = MESH.V, MESH.F
+    found = GltfScene()
+    joint = [found.node(translation=[0, 0, k], scale=[1, 1, 2]) for k in range(2)]
+    bound = found.accessor(np.tile(np.eye(4).ravel(), (2, 1)))
+    found.document["skins"] = [{"joints": joint, "inverseBindMatrices": bound}]
+    joints = found.accessor(np.tile([0, 1, 0, 0], (len(V), 1)), "u1")
+    weights = found.accessor(np.tile([0.5, 0.5, 0.0, 0.0], (len(V), 1)))
+    target = found.sparse(len(V), [1, 5], [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0]])
+    colors = found.accessor(np.full((len(V), 4), 0.5))
+    attributes = {"JOINTS_0": joints, "WEIGHTS_0": weights, "COLOR_0": colors}
+    skinned = found.mesh(V, F, [0.5], attributes=attributes, targets=[{"POSITION": target}])
+    found.node(mesh=skinned, skin=0)
+    where = {"TRANSLATION": found.accessor([[0, 0, 0], [9, 0, 0]]), "SCALE": found.accessor(np.ones((2, 3)))}
+    instances = {"EXT_mesh_gpu_instancing": {"attributes": where}}
+    found.node(mesh=found.mesh(V, [0, 1, 2, 3, 4], mode=5), extensions=instances)
+    found.document["extensionsUsed"] = ["EXT_mesh_gpu_instancing"]
+    return found
+
+
+def selection_contents(suffix):
+    assert suffix in SELECTION_FORMATS
+    return [written(f"a{suffix}", lambda path: write_selection(path, MESH, painted()))]
+
+
+def number_contents():
+    sel = "\n".join(["# a comment", *"0012"[:1] * 3, *["1"] * (len(MESH.V) - 3)]).encode()
+    return [sel, b"1 0 0 5\n0 1 0 0\n0 0 1 -2.5\n0 0 0 1\n"]
+
+
+def animation_contents(suffix):
+    with tempfile.TemporaryDirectory() as folder:
+        animation, _ = animated(MESH, Path(folder, "shapes"))
+        path = Path(folder, f"a{suffix}")
+        write_animation(animation, path)
+        return [path.read_bytes()]
+
+
+SERIES = b"""<?xml version="1.0"?><VTKFile type="Collection"><Collection>
+<DataSet timestep="0" file="box.ply"/><DataSet timestep="1.5" file="box.ply"/>
+<DataSet timestep="2" file="cube.ply"/>
+</Collection></VTKFile>"""
+PLAN = b"""mesh,selection,motion,unit,steps,method,stiffness,area,contact,thickness,young,volume,# note
+bar.off,bar.sel,twist 40deg,mm,2,exact,0.1,100,no,,,,a
+bar.off,bar.sel,push 30%; handle 1: move 0 2cm 0,mm,3,wall,,,yes,0.3mm,2GPa,120%,"b, c"
+bar.off,,bend 20deg about x,,,,,,auto,,,,
+"""
+PLANS = [
+    PLAN,
+    b"session;to;seed\nbar.apd;50%;3\n",
+    b"mesh\tselection\tmotion\tpressure\tgas\nbar.off\tbar.sel\tscale 2\t1\t\n",
+]
+WALLS = [
+    b"z,thickness (mm),young,yield_radius (cm)\n0,0.2,2,0.6\n2,0.5,3,0.8\n",
+    b"height;thickness_mm\n0;0,2\n2;0,5\n",
+    "vertex,thickness\n{}".format("".join(f"{k},0.1\n" for k in range(len(MESH.V)))).encode(),
+    "triangle\tthickness\n{}".format("".join(f"{k}\t0.1\n" for k in range(len(MESH.F)))).encode(),
+    ("x,y,z,thickness\n" + "".join(f"{x},{y},{z},0.3\n" for x, y, z in MESH.V.tolist())).encode(),
+]
+
+
+def wall_contents():
+    """PLY of the mesh with a thickness at its vertices, and with grey colours."""
+    F = "".join(f"3 {a} {b} {c}\n" for a, b, c in MESH.F.tolist())
+    found = []
+    for properties, values in (
+        ("property float thickness\nproperty float young\n", "0.3 2"),
+        ("property uchar red\nproperty uchar green\nproperty uchar blue\n", "90 90 90"),
+    ):
+        head = f"ply\nformat ascii 1.0\nelement vertex {len(MESH.V)}\n"
+        head += "".join(f"property double {axis}\n" for axis in "xyz") + properties
+        head += f"element face {len(MESH.F)}\nproperty list uchar int vertex_indices\nend_header\n"
+        found.append(
+            (head + "".join(f"{x!r} {y!r} {z!r} {values}\n" for x, y, z in MESH.V.tolist()) + F).encode()
+        )
+    return found
+
+
+def plan_folder(folder):
+    """Put what plans name into a folder."""
+    write_bar(folder)
+    return folder
+
+
+def obstacle_rows():
+    rows = [{"name": kind.value, "kind": kind.value, "place": [3.0, 0.5, 0.0]} for kind in ObstacleKind]
+    return [
+        row | {"axis": [1.0, 0.0, 0.0], "radius": 0.3, "length": 2.0, "shift": [0.1, 0, 0]} for row in rows
+    ]
+
+
+def obstacle_contents():
+    return [json.dumps(obstacle_rows()).encode()]
+
+
+def image_contents():
+    pixels = np.arange(8 * 6 * 4, dtype=np.uint8).reshape(6, 8, 4)
+    found = []
+    for kind, mode in (
+        ("PNG", "RGBA"),
+        ("JPEG", "RGB"),
+        ("WEBP", "RGB"),
+        ("GIF", "P"),
+        ("TIFF", "RGB"),
+        ("BMP", "RGB"),
+    ):
+        stream = io.BytesIO()
+        Image.fromarray(pixels).convert(mode).save(stream, kind)
+        found.append(stream.getvalue())
+    return found
+
+
+def case_contents():
+    readings, curves, frame = {"energy": 1.0}, {"step": [0.0, 1.0]}, {"settled": True}
+    result = CaseResult("ab12", {"mesh": "a"}, "done", "", readings, curves, frame, MESH.V)
+    return [case_to_bytes(result)]
+
+
+def session_contents():
+    """Sessions as stored by earlier versions, and one with all that a session can hold."""
+    return [*(path.read_bytes() for path in sorted(STORED.glob("*.apd"))), rich_session()]
+
+
+def rich_session():
+    mesh = MESH
+    with tempfile.TemporaryDirectory() as folder:
+        walls = Path(folder, "walls.csv")
+        walls.write_bytes(WALLS[0])
+        typed = thickness_text(str(walls), mesh, Unit.MILLIMETRE)
+    selection = painted()
+    labels = np.minimum(selection.labels, 2)
+    state = initial_state(mesh)
+    document = replace(
+        state.document,
+        labels=labels,
+        member=selection.member,
+        regions=(NamedRegion("Label «é»", 103.0), NamedRegion("b")),
+        mirror_axis=1,
+    ).with_settings(method="wall", wall_thickness=typed.in_unit(Unit.MILLIMETRE))
+    state = state.updated(document)
+    image = RegionImage("a.png", image_contents()[0], selection.member == 1, UpAxis.PLUS_Y)
+    camera = CameraPose((0.1, -2.0, 30.0), (0.0, 0.3, 0.0), (0.0, 1.0, 0.0), 0.5)
+    view = View(camera, "mm", WallText(typed, "1.38"), "bending", UpAxis.PLUS_Y, image)
+    timeline = Timeline((TimelineStep(initial_state(mesh), True), TimelineStep(state, False, state)), 3)
+    content = written(
+        "a.apd", lambda path: save_session(path, state, view, True, picture=image.content, timeline=timeline)
+    )
+    members = unpacked(content)
+    said = json.loads(members["session.json"])
+    pose = np.eye(4).tolist()
+    point = {"face": 3, "weights": [0.5, 0.25, 0.25]}
+    said["document"] |= {
+        "handles": [
+            said["document"]["handles"][0]
+            | {
+                "waypoints": [pose],
+                "earlier": [pose],
+                "line": [0.0, 1.0, 0.0],
+                "falloff": 1.5,
+                "pivot": [0.0, 1.0, 2.0],
+            }
+        ],
+        "obstacles": obstacle_rows(),
+        "staying": [],
+        "closed": [3],
+        "poses": [{"name": "up", "handles": [{"name": "Arm", "pose": pose, "waypoints": [pose]}]}],
+        "measurements": [
+            {"name": "a", "kind": "section", "plane": {"normal": [0.0, 0.0, 1.0], "offset": 0.1}},
+            {"name": "b", "kind": "level", "contents": {"up": [0.0, 1.0, 0.0], "volume": 2.0}},
+            {"name": "c", "kind": "distance", "points": [point, point]},
+        ],
+    }
+    count = len(said["document"]["obstacles"])
+    said["frame"] |= {
+        "contact": {"pairs": 3, "least_gap": 0.1, "exempt": 0},
+        "share_reached": 0.5,
+        "energy": 1.0,
+    }
+    said["frame"] |= {
+        "loads": [[0.0] * 3] * count,
+        "shifts": [[0.0] * 3] * count,
+        "saddle_escapes": 1,
+        "stable": True,
+    }
+    return packed(members | {"session.json": json.dumps(said).encode()})
