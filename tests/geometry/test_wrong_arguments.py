@@ -91,6 +91,9 @@ SOUND = {
     "name": {"no", "length"},
     "unit": {"None", "empty"},
     "origin": {"None"},
+    "live base": IDS | {"None"},
+    "live handles": {"None", "[]", "array"},
+    "move handle": {"0"},
     "deform iterations": COUNTS | {"None"},
     "deform contact": {"None", "np.False_"},  # not with a number of iterations
     "deform progress": FLAGS | {"None", "call"},
