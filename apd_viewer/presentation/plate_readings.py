@@ -1,4 +1,4 @@
-"""Readings of a shape between two plates as texts and curves."""
+"""Readings of a shape between two plates, or on a timeline, as texts and curves."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -14,6 +14,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.model.obstacle_pair import ObstaclePair, obstacle_pair
 from apd_viewer.session.model.state import State
+from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.newton_conversion import NewtonConversion
 from apd_viewer.session.quantities.units import Unit
@@ -255,3 +256,66 @@ def _curve_row(state: State, newtons: NewtonConversion | None) -> tuple[float, f
         return np.nan, np.nan, volume, float(state.frame.settled)
     found, factor = pair.reading(state), 1.0 if newtons is None else newtons.newtons_per_load
     return found.deflection, factor * max(0.0, found.load), volume, float(state.frame.settled)
+
+
+_LOCAL_TIP = tr("Largest relative change of the area of a triangle")
+_STRAIN_TIP = tr("Of the edge whose length has changed most")
+
+
+def step_reading_texts(state: State, unit: Unit) -> tuple[ReadingText, ...]:
+    """Area, volume, local change and edge strain of a shape."""
+    return (
+        ReadingText(tr("Area"), readings.area_percent(state), "", tr("In percent of the area at rest")),
+        volume_reading(state, unit),
+        ReadingText(tr("Local change"), readings.local_change(state), "", _LOCAL_TIP),
+        ReadingText(tr("Edge strain"), readings.largest_edge_strain(state), "", _STRAIN_TIP),
+    )
+
+
+def step_verdict(state: State) -> tuple[str, bool]:
+    """Sentence saying whether a shape is in equilibrium; True if it needs no warning."""
+    if state.frame.settled and state.document.paint_problem is not None:
+        return tr("As it is in the file."), True
+    return rest_verdict(state, tr("Not at rest."), tr("Contact stops the motion here."))
+
+
+class StepCurves(NamedTuple):
+    """Readings along a timeline, each (s,); NaN if unknown.
+
+    Attributes
+    ----------
+    area, volume : float array
+        Percent of rest.
+    energy : float array
+        Squared lengths.
+    strain : float array
+        Mean absolute strain of the edges, percent.
+    settled : bool array
+    """
+
+    area: np.ndarray
+    volume: np.ndarray
+    energy: np.ndarray
+    strain: np.ndarray
+    settled: np.ndarray
+
+
+def step_curves(timeline: Timeline) -> StepCurves:
+    """Curves of area, volume, energy and strain along a timeline."""
+    rows = np.array([_step_row(step.state) for step in timeline.steps]).reshape(-1, 5)
+    area, volume, energy, strain, settled = rows.T
+    return StepCurves(area, volume, energy, strain, settled > 0.0)
+
+
+def _step_row(state: State) -> tuple[float, ...]:
+    frame = state.frame
+    now, rest = readings.volumes(frame, state.inspection)
+    volume = 100.0 * now / rest if rest and now is not None else np.nan
+    energy = np.nan if frame.energy is None else frame.energy
+    return (
+        100.0 * (1.0 + frame.area_error),
+        volume,
+        energy,
+        100.0 * frame.mean_edge_strain,
+        float(frame.settled),
+    )

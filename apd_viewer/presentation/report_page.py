@@ -29,9 +29,13 @@ from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation import measurement_text, readings, report_blocks
 from apd_viewer.presentation.number_format import format_length, format_short, format_significant
-from apd_viewer.presentation.plate_readings import has_given_way, main_plate_readings
+from apd_viewer.presentation.plate_readings import (
+    has_given_way,
+    main_plate_readings,
+    step_reading_texts,
+    step_verdict,
+)
 from apd_viewer.presentation.report_blocks import ReportReadings
-from apd_viewer.presentation.step_readings import step_reading_texts, step_verdict
 from apd_viewer.presentation.volume_text import volume_rows
 from apd_viewer.session.measurement_readings import MeasurementReading
 from apd_viewer.session.model import status_text

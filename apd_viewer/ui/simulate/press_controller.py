@@ -14,7 +14,7 @@ from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.language import tr
-from apd_viewer.presentation import plate_readings, step_readings
+from apd_viewer.presentation import plate_readings
 from apd_viewer.presentation.number_format import format_short
 from apd_viewer.presentation.plate_readings import direction_number, direction_titles, press_directions
 from apd_viewer.presentation.time_left import progress_text
@@ -342,8 +342,8 @@ class PressController(QObject):
         if is_press:
             self._show_texts(*self._readings.of(state, self._timeline))
         else:
-            texts = step_readings.step_reading_texts(state, self._session.store.unit)
-            self._show_texts(texts, *step_readings.step_verdict(state))
+            texts = plate_readings.step_reading_texts(state, self._session.store.unit)
+            self._show_texts(texts, *plate_readings.step_verdict(state))
         self.charts.timeline = self.step_charts.timeline = self._timeline
         self.step_charts.shown_number = shown
         self.step_charts.ahead = player.count - player.done if player.is_playing else 0

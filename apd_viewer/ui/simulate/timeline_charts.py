@@ -10,9 +10,8 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.axis import Axis, linear_axis, rounded_axis
 from apd_viewer.presentation.number_format import format_grouped, format_short, format_significant
 from apd_viewer.presentation.obstacle_readings import LOAD_DIGITS, newtons_text
-from apd_viewer.presentation.plate_readings import PlateCurves, plate_curves
+from apd_viewer.presentation.plate_readings import PlateCurves, StepCurves, plate_curves, step_curves
 from apd_viewer.presentation.readings import percent_text
-from apd_viewer.presentation.step_readings import StepCurves, step_curves
 from apd_viewer.session.model.obstacle_pair import obstacle_pair
 from apd_viewer.session.model.timeline import Timeline
 from apd_viewer.session.session import Session
