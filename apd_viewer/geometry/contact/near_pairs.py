@@ -12,6 +12,7 @@ import numpy as np
 
 from apd_viewer.geometry.contact.collision_times import detect_collisions
 from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
+from apd_viewer.geometry.contact.neighbour_bounds import NeighbourBounds
 from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
@@ -91,6 +92,7 @@ class NearPairs:
         self._edges_of = np.add.reduceat(np.append(lengths[edges], 0.0), start[:-1])
         self._edges_of /= np.maximum(np.diff(start), 1)
         self._search = PairSearch(V, F, E, self._patches, exempt_groups, reach)
+        self._neighbours = NeighbourBounds(V, F, E, self._patches, reach, self._edge)
         self.touching_at_rest = np.zeros(0, np.int32)
         self.rebuild_at(V)
 
@@ -138,7 +140,7 @@ class NearPairs:
             return
         self._paid_at = self._ahead
         listed = self._listed = self._listed._replace(low=self._low_after)
-        self._bound = self._bound - self._approach
+        self._bound = self._bound - self._spent
         apart = float((listed.low - listed.reach).min(initial=np.inf)), float(self._bound.min(initial=np.inf))
         self._clearance = min(*apart, self._unseen - self._moved_after)
 
@@ -177,13 +179,29 @@ class NearPairs:
             moved = 0.0
         self._moved_after = 2.0 * (moved + step)
         self._approach = approach = self._patches.approach_bounds(U, W, self._between)
+        self._spent = approach
         left = self._bound - approach
+        kept = self._keep_neighbours(U, W, left)
+        left[kept] = np.inf
         most = float(approach[left < 0.0].max(initial=0.0))
         if most > _FARTHEST * self._edge:
             return 0.9 * _FARTHEST * self._edge / most
         if (left < 0.0).any():
             self._renew_listed_pairs(U, left < _SOON * self._look_ahead)
         return None
+
+    def _keep_neighbours(self, U: np.ndarray, W: np.ndarray, left: np.ndarray) -> np.ndarray:
+        """Rows of patch pairs whose bounds, ``left`` after a step, the rest shape raises."""
+        if not (left < 0.0).any():
+            return np.zeros(0, np.int64)
+        rows = np.flatnonzero(left < _SOON * self._look_ahead)
+        excess = self._neighbours.excess(U, W, self._between[rows])
+        better = excess > np.maximum(left[rows], 0.0)
+        rows = rows[better]
+        # These bounds hold before, during and after the step: nothing of them is spent.
+        self._bound[rows], self._spent = excess[better], self._approach.copy()
+        self._spent[rows] = 0.0
+        return rows
 
     def _renew_listed_pairs(self, U: np.ndarray, short: np.ndarray) -> None:
         """Renew the listed pairs between the patch pairs in the mask ``short``."""

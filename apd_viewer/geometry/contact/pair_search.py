@@ -16,7 +16,7 @@ from apd_viewer.geometry.linalg.threads import parallel
 _TASKS = 32
 _FIRST_CAPACITY = 5_000  # pairs per task
 # Range limit as a fraction of a pair's rest distance, so that neighbours exert no force in the rest shape.
-_OF_REST = 0.25
+OF_REST = 0.25
 # Pairs with a smaller rest distance, in mesh sizes, already touch and cannot be kept apart.
 _TOUCHES = 1e-9
 
@@ -147,7 +147,7 @@ def _are_both_exempt(exempt_groups: np.ndarray, a: int, b: int, c: int, d: int) 
 @njit(inline="always")
 def _range_of(at_rest: float, reach: float, touches: float) -> float:
     """Range of a pair's energy from its rest distance."""
-    return min(reach, _OF_REST * at_rest) if at_rest > touches else 0.0
+    return min(reach, OF_REST * at_rest) if at_rest > touches else 0.0
 
 
 @parallel()
