@@ -3,9 +3,9 @@
     python tests/support/hostile_meshes.py [minutes] [seed]
     python tests/support/hostile_meshes.py --one index seed library
 
-The judge of contact (ipctk), decimation (fast-simplification), geodesics (potpourri3d), and measuring have
-each mesh in a process of its own, so that a crash is a finding and not the end. Each ends with a result, or
-with an InputError, within SECONDS and MEMORY.
+The judge of contact (ipctk), decimation (fast-simplification), geodesics (potpourri3d), measuring, and the
+remesher (MMG) if it is installed, have each mesh in a process of its own, so that a crash is a finding and
+not the end. Each ends with a result, or with an InputError, within SECONDS and MEMORY.
 """
 
 import os
@@ -15,12 +15,14 @@ import sys
 import time
 import traceback
 from collections import Counter
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 from meshes import box, grid, sphere
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.formats.cad import even_triangles
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
@@ -184,7 +186,14 @@ def measuring(mesh, chance):
     inspect(mesh)
 
 
+def remesher(mesh, chance):
+    V, _, _ = even_triangles(mesh.V, mesh.joined_F)
+    assert np.isfinite(V).all(), "positions that are no numbers"
+
+
 LIBRARIES = {each.__name__: each for each in (contact, decimation, geodesics, measuring)}
+if find_spec("mmgpy"):  # of an extra
+    LIBRARIES["remesher"] = remesher
 
 
 def outcome(index, seed, name):
