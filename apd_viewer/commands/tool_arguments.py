@@ -1,4 +1,4 @@
-"""Commands as tools: the JSON schemas of their arguments, and their words on a command line."""
+"""Commands as tools: schemas of their arguments, and words of their command lines."""
 
 import argparse
 from collections.abc import Iterator

@@ -22,7 +22,7 @@ _NO_VALUE = (160, 160, 160)  # colour of a vertex without a triangle
 _FILES = "report_view.css", "mesh_view.js", "report_view.js"
 
 
-class ViewedShape(NamedTuple):
+class ShapeView(NamedTuple):
     """Deformed shape: name, positions (n, 3), and shades (n,) uint8."""
 
     name: str
@@ -40,7 +40,7 @@ class ViewedMesh(NamedTuple):
 
 def report_view(
     mesh: ViewedMesh,
-    shapes: Sequence[ViewedShape],
+    shapes: Sequence[ShapeView],
     current: int,
     scale: Scale,
     direction: Sequence[float],
@@ -51,7 +51,7 @@ def report_view(
 
     Parameters
     ----------
-    shapes : sequence of ViewedShape
+    shapes : sequence of ShapeView
         Deformed ones, in the order of the motion.
     current : int
         Number of the one shown first.

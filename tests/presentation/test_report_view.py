@@ -17,7 +17,7 @@ from site_pages import browser
 from apd_viewer.files.html_page import Page, PagePicture, PagePictureRow, PageSection, page_html, write_page
 from apd_viewer.geometry.analysis.deviation import write_shades
 from apd_viewer.presentation import report_view as module
-from apd_viewer.presentation.report_view import MOST_BYTES, ViewedMesh, ViewedShape, report_view
+from apd_viewer.presentation.report_view import MOST_BYTES, ShapeView, ViewedMesh, report_view
 from apd_viewer.presentation.scales import Measure, default_scale
 
 SCALE = default_scale(Measure.AREA, 1.0)
@@ -36,7 +36,7 @@ def ball(level=3, steps=5, **settings):
         shades = np.full(len(V), 255, dtype=np.uint8)
         write_shades(0.1 * k * (V[:, 1] - V[:, 1].mean()), True, SCALE.end, shades)
         shapes.append(
-            ViewedShape(f"{NAME} {k}", (V - centre) * [1.0 - 0.1 * k, 1.0 + 0.1 * k, 1.0] + centre, shades)
+            ShapeView(f"{NAME} {k}", (V - centre) * [1.0 - 0.1 * k, 1.0 + 0.1 * k, 1.0] + centre, shades)
         )
     shown = ViewedMesh(V, F, paint)
     view = report_view(shown, shapes, steps - 1, SCALE, (0.55, 0.28, 1.0), (0.0, 1.0, 0.0), **settings)

@@ -1,4 +1,4 @@
-"""Lower bounds of gaps between patches that still lie to each other nearly as at rest.
+"""Lower bounds of gaps between patches in nearly the same place as at rest.
 
 Neighbouring patches of a smooth surface always touch, so that a budget of their approach is soon used up.
 Where an affine map of the rest shape, ``x = A X + t``, leaves displacements of at most ``r``, two points that
@@ -46,9 +46,9 @@ class NeighbourBounds:
         self._gap = _rest_gaps(V, pairs, most, *patches.vertices, *patches.edges, E, *patches.faces, F)
 
     def excess(self, U: np.ndarray, W: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-        """Lower bounds (k,) for pairs (k, 2) of patches, on the whole step from ``U`` to ``W``.
+        """Lower bounds (k,) for pairs (k, 2) of patches from ``U`` to ``W``.
 
-        Negative where the patches no longer lie to each other as at rest.
+        On the whole step; negative where the patches no longer lie to each other as at rest.
         """
         key = pairs[:, 0] << 32 | pairs[:, 1]
         at = np.minimum(np.searchsorted(self._key, key), len(self._key) - 1)
@@ -68,7 +68,7 @@ def _rest_gaps(
     estart: np.ndarray, eitem: np.ndarray, E: np.ndarray, fstart: np.ndarray, fitem: np.ndarray,
     F: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
-    """Least gap (k,), at most ``most``, of elements of two patches without a common vertex."""
+    """Least gap (k,), up to ``most``, between elements without a common vertex."""
     gaps = np.empty(len(pairs))
     for k in prange(len(pairs)):
         i, j = pairs[k, 0], pairs[k, 1]
@@ -130,7 +130,7 @@ def _least_excess(
     V: np.ndarray, U: np.ndarray, W: np.ndarray, pairs: np.ndarray, gap: np.ndarray, reach: float,
     start: np.ndarray, item: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
-    """Lower bounds (k,) of the excess of gaps, at least ``gap`` (k,) at rest, over their range."""
+    """Lower bounds (k,) of the excess of gaps, given those at rest (k,)."""
     found = np.empty(len(pairs))
     for k in prange(len(pairs)):
         # Rows: rest shape, shape before, shape after.

@@ -40,7 +40,7 @@ from apd_viewer.presentation.report_page import (
     report_page,
     volumes_block,
 )
-from apd_viewer.presentation.report_view import ViewedMesh, ViewedShape, report_view
+from apd_viewer.presentation.report_view import ShapeView, ViewedMesh, report_view
 from apd_viewer.presentation.scales import Measure, Scale, default_scale, span_of
 from apd_viewer.presentation.shape_picture import VIEW_DIRECTION
 from apd_viewer.session.measurement_readings import complete_readings
@@ -375,7 +375,7 @@ def _shape_view(subject: ReportSubject, view: View, deviation: Deviation, scale:
     if current is None:
         steps, current = [ReportStep(0, state, None)], 0
     shapes = [
-        ViewedShape(
+        ShapeView(
             tr("Step {number}").format(number=step.number),
             step.state.frame.U,
             _shades(deviation.area_change(step.state.frame.U), scale),
