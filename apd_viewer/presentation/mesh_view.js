@@ -303,6 +303,7 @@ export function createMeshView(container, {
     }`;
   const GREY = [205, 203, 198];
   const SLOW = 30; // milliseconds until a frame is seen to be done, at most two refreshes of a screen
+  const LONGEST_PAUSE = 500; // milliseconds
   let program, where, mesh, double, tool, pending = 0, fence = null, began = 0, rest = 0, still = 0, later = 0;
 
   function begin() { // again after the context was lost
@@ -388,17 +389,7 @@ export function createMeshView(container, {
   /** Draw soon. A slow frame is followed by a pause as long, so that half of the time is left to others. */
   function redraw() {
     pending ||= requestAnimationFrame(function next(now) {
-      if (fence && gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED) {
-        pending = requestAnimationFrame(next);
-        return;
-      }
-      if (fence) {
-        const took = now - began;
-        rest = now + (took > SLOW ? took : 0);
-        gl.deleteSync(fence);
-        fence = null;
-      }
-      if (now < rest) {
+      if (fence || now < rest) {
         pending = requestAnimationFrame(next);
         return;
       }
@@ -408,7 +399,21 @@ export function createMeshView(container, {
       began = now;
       fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
       gl.flush();
+      requestAnimationFrame(measure);
     });
+  }
+
+  /** Take the time of a frame as soon as it is drawn. A hidden page is called late: no pause is longer than that. */
+  function measure(now) {
+    if (!fence) return; // the context was lost
+    if (gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED) {
+      requestAnimationFrame(measure);
+      return;
+    }
+    const took = Math.min(now - began, LONGEST_PAUSE);
+    rest = now + (took > SLOW ? took : 0);
+    gl.deleteSync(fence);
+    fence = null;
   }
 
   function draw(hasGizmo = true, isFine = false) {

@@ -100,6 +100,9 @@ def report_view(
 def _html(told: dict[str, Any], notes: Sequence[str]) -> str:
     """HTML of a view with its data."""
     titles = {"deformed": tr("Deformed"), "rest": tr("Rest"), "overlay": trc("two shapes", "Overlay")}
+    # By names, since the texts in f-strings are not found for translation.
+    play, step = escape(tr("Play")), escape(tr("Step of the motion"))
+    label, group = escape(tr("3D view of the shape")), escape(tr("Shape"))
     choices = "".join(
         f'<label><input type="radio" name="shape" value="{value}"{"" if k else " checked"}>'
         f"<span>{escape(title)}</span></label>"
@@ -108,8 +111,8 @@ def _html(told: dict[str, Any], notes: Sequence[str]) -> str:
     steps = ""
     if len(told["shapes"]) > 1:
         steps = (
-            f'<div class="steps"><button type="button">{escape(tr("Play"))}</button>'
-            f'<input type="range" min="0" value="0" aria-label="{escape(tr("Step of the motion"))}">'
+            f'<div class="steps"><button type="button">{play}</button>'
+            f'<input type="range" min="0" value="0" aria-label="{step}">'
             "<output></output></div>"
         )
     hint = tr("Drag to turn, scroll to zoom after a click, double-click to fit. Keys: arrows, + and −, Home.")
@@ -117,8 +120,8 @@ def _html(told: dict[str, Any], notes: Sequence[str]) -> str:
     # Escaped in a string of JSON, so that a name cannot end the element.
     data = json.dumps(told, separators=(",", ":")).replace("<", "\\u003c")
     return (
-        f'<div class="view" role="group" aria-label="{escape(tr("3D view of the shape"))}">\n'
-        f'<div class="bar"><div class="choices" role="radiogroup" aria-label="{escape(tr("Shape"))}">'
+        f'<div class="view" role="group" aria-label="{label}">\n'
+        f'<div class="bar"><div class="choices" role="radiogroup" aria-label="{group}">'
         f"{choices}</div>{steps}</div>\n"
         f'<div class="stage"></div>\n{lines}\n<script type="application/json">{data}</script>\n</div>'
     )

@@ -152,16 +152,22 @@ def test_report_view_is_small_and_well_formed():
 needs_browser = pytest.mark.skipif(
     browser() is None, reason="Ubuntu has Chromium as a snap only, other systems by hand"
 )
-PIXELS = """(() => { const drawn = new Image(), canvas = document.querySelector("canvas");
-  return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))
-    .then(() => canvas.getBoundingClientRect()).then(r => [r.x, r.y, r.width, r.height]); })()"""
+BOX = """(() => { const box = document.querySelector("canvas").getBoundingClientRect();
+  return [box.x, box.y, box.width, box.height]; })()"""
+# A view that draws slowly pauses for less than 0.8 s, and then draws once more, finely.
+STILL = """new Promise(done => { const end = performance.now() + 800;
+  (function next() { performance.now() > end ? done() : requestAnimationFrame(next); })(); })"""
 
 
 def stage(page):
-    """RGB of the pixels of the view (h, w, 3), and its box x, y, width, height."""
-    x, y, width, height = (round(value) for value in page.value(PIXELS))
-    whole = np.asarray(Image.open(io.BytesIO(page.picture())).convert("RGB")).astype(int)
-    return whole[y : y + height, x : x + width], (x, y, width, height)
+    """RGB of the pixels of the view (h, w, 3) once it is still, and its box x, y, width, height."""
+    x, y, width, height = (round(value) for value in page.value(BOX))
+    before, whole = None, b""
+    while whole != before:
+        page.value(STILL)
+        before, whole = whole, page.picture()
+    pixels = np.asarray(Image.open(io.BytesIO(whole)).convert("RGB")).astype(int)
+    return pixels[y : y + height, x : x + width], (x, y, width, height)
 
 
 def share_apart(one, other):
