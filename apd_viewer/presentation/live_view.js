@@ -88,7 +88,7 @@ function render({ model, el }) {
     ({ texts, colors } = message);
     triangles = new Uint32Array(arrays[3]);
     view?.dispose();
-    view = createMeshView(box, { positions: new Float32Array(arrays[2]), triangles, label: texts.view, margin: 1.35 });
+    view = createMeshView(box, { positions: new Float32Array(arrays[2]), triangles, label: texts.view, margin: 1.45 });
     if (!view) { line.textContent = texts.noView; return; }
     view.onPress = press;
     box.meshView = view; // for scripts of the page
