@@ -246,7 +246,9 @@ def test_mcp_command_tells_the_sentence_of_the_command(folder, capsys):
     assert capsys.readouterr().err.strip() == f"error: {said}"
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="reads the tree of processes in /proc, which Linux alone has"
+)
 @pytest.mark.parametrize("way", ["cancelled", "closed", "killed"])
 def test_mcp_command_ends_a_call(folder, way):
     with Client(folder) as client:
