@@ -20,6 +20,7 @@ from typing import Any, BinaryIO
 
 from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser, add_option
+from apd_viewer.commands.terminal.streams import message_streams
 from apd_viewer.commands.tool_arguments import TOOLS, command_words, tool_fields
 from apd_viewer.errors import InputError
 from apd_viewer.files.samples import resource_path
@@ -70,12 +71,8 @@ def _mcp(options: argparse.Namespace) -> CommandOutput:
     folder = Path(os.path.realpath(options.folder))
     if not folder.is_dir():
         raise InputError(tr("{path} is not a folder; name an existing one.").format(path=options.folder))
-    if sys.stdin.isatty():
-        raise InputError(tr("Another program has to start this command: it takes messages from a pipe."))
-    # Whatever a library prints must not come between the answers.
-    with os.fdopen(os.dup(1), "wb") as sink:
-        os.dup2(2, 1)
-        McpServer(folder, options.overwrite, sys.stdin.buffer, sink).run()
+    with message_streams() as (source, sink):
+        McpServer(folder, options.overwrite, source, sink).run()
     return CommandOutput((), dict)
 
 

@@ -2,12 +2,11 @@
 
 import argparse
 import os
-import sys
 
 from apd_viewer.commands.solver_service import SolverService
 from apd_viewer.commands.terminal.command_output import CommandOutput
 from apd_viewer.commands.terminal.parser import Parser
-from apd_viewer.errors import InputError
+from apd_viewer.commands.terminal.streams import message_streams
 from apd_viewer.language import tr
 
 
@@ -26,11 +25,7 @@ def serve_parser() -> Parser:
 
 
 def _serve(_: argparse.Namespace) -> CommandOutput:
-    if sys.stdin.isatty():
-        raise InputError(tr("Another program has to start this command: it takes messages from a pipe."))
-    # Whatever a library prints must not come between the answers.
-    with os.fdopen(os.dup(1), "wb") as sink:
-        os.dup2(2, 1)
+    with message_streams() as (source, sink):
         # There is nothing to save, and an iteration may take long: the process ends at once.
-        SolverService(sys.stdin.buffer, sink, lambda: os._exit(0)).run()
+        SolverService(source, sink, lambda: os._exit(0)).run()
     return CommandOutput((), dict)

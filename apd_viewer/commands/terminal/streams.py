@@ -7,7 +7,10 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import Any, BinaryIO
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
 
 _ENDING = "SIGTERM", "SIGHUP", "SIGBREAK"  # termination signals, not all of which exist on every system
 
@@ -29,6 +32,17 @@ def prepare_streams() -> None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115
         elif isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
+
+
+@contextmanager
+def message_streams() -> Iterator[tuple[BinaryIO, BinaryIO]]:
+    """Standard input and output for messages alone; raises InputError on a terminal."""
+    if sys.stdin.isatty():
+        raise InputError(tr("Another program has to start this command: it takes messages from a pipe."))
+    # Whatever a library prints must not come between the messages.
+    with os.fdopen(os.dup(1), "wb") as sink:
+        os.dup2(2, 1)
+        yield sys.stdin.buffer, sink
 
 
 def discard_output() -> None:
