@@ -2,9 +2,11 @@
 
 import io
 import json
+import os
 import random
 import re
 import struct
+import threading
 import time
 import tracemalloc
 from pathlib import Path
@@ -17,6 +19,7 @@ from solver_client import SolverClient, opening_arrays
 import apd_viewer
 from apd_viewer.commands import solver_service
 from apd_viewer.commands.message_stream import MOST_ARRAY_BYTES, read_message, write_message
+from apd_viewer.geometry.solver.path_iteration import PathIteration
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "protocol.md"
 
@@ -96,6 +99,31 @@ def test_serve_command_answers_the_newest_motion(ball):
     np.testing.assert_allclose(
         last.arrays["U"][ball[2]], targets_of(ball, [0, 0, 199 / 400])[len(ball[1]) :], atol=1e-6
     )
+
+
+def test_service_finishes_no_motion_that_is_replaced(ball, monkeypatch):
+    """A request read during an iteration, behind a newer motion, gets the shape before that motion."""
+    reading, writing = os.pipe()
+    has_read, iterate = threading.Event(), PathIteration.iterate
+
+    def iterate_once_all_is_read(walk):
+        if not has_read.is_set():
+            with open(writing, "wb") as pipe:
+                write_message(pipe, {"op": "move", "id": "new"}, {"targets": targets_of(ball, [0, 0, 0.1])})
+                write_message(pipe, {"op": "frame"}, {})
+            assert has_read.wait(60)
+        return iterate(walk)
+
+    monkeypatch.setattr(PathIteration, "iterate", iterate_once_all_is_read)
+    first = message_bytes({"op": "open"}, opening_arrays(*ball))
+    first += message_bytes({"op": "move", "id": "old"}, {"targets": targets_of(ball, [0, 0, 0])})
+    threading.Thread(target=os.write, args=(writing, first), daemon=True).start()
+    sink = io.BytesIO()
+    with open(reading, "rb") as source:
+        solver_service.SolverService(source, sink, has_read.set).run()
+    sink.seek(0)
+    frames = [told.head for told in iter(lambda: read_message(sink), None) if told.head["op"] == "frame"]
+    assert [(head["motion"], head["finished"]) for head in frames] == [("old", False)]
 
 
 def test_serve_command_keeps_a_new_volume(ball):
