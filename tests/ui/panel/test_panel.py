@@ -16,7 +16,7 @@ from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.presentation.readings import NO_VALUE, area_verdict
+from apd_viewer.presentation.readings import NO_VALUE, area_verdict, box_volume
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.state_store import Activity
@@ -498,7 +498,7 @@ def test_panel_keeps_its_width_when_readings_get_longer(qtbot, sample):
     window.parts.choose_handle(0)
     field = panel.handles.motion
     field.choice.setCurrentIndex(field.choice.findData("TWIST"))
-    QTest.keyClicks(field.amount, "160deg")
+    QTest.keyClicks(field.amount, "10deg")
     qtbot.keyClick(field.amount, Qt.Key.Key_Return)
     idle(qtbot, window)
     window.actions_.simulate.obstacles.floor.trigger()
@@ -509,10 +509,11 @@ def test_panel_keeps_its_width_when_readings_get_longer(qtbot, sample):
         work_off()
         assert panel.width() == width
         assert page.widget().width() <= page.viewport().width()
-    panel.measures.box.setText("123 456 789 123.4 mm³")  # of a large mesh in small units
     panel.pages.setCurrentWidget(panel.measurements)
-    work_off()
-    assert panel.width() == width
+    for unit in Unit:
+        panel.measures.box.setText(box_volume(123_456_789_123.4, None, unit)[0])
+        work_off()
+        assert panel.width() == width
 
 
 def test_panel_keeps_its_width_beside_a_long_name(qtbot, bottle):
