@@ -108,7 +108,7 @@ def test_service_finishes_no_motion_that_is_replaced(ball, monkeypatch):
 
     def iterate_once_all_is_read(walk):
         if not has_read.is_set():
-            with open(writing, "wb") as pipe:
+            with os.fdopen(writing, "wb") as pipe:
                 write_message(pipe, {"op": "move", "id": "new"}, {"targets": targets_of(ball, [0, 0, 0.1])})
                 write_message(pipe, {"op": "frame"}, {})
             assert has_read.wait(60)
@@ -119,7 +119,7 @@ def test_service_finishes_no_motion_that_is_replaced(ball, monkeypatch):
     first += message_bytes({"op": "move", "id": "old"}, {"targets": targets_of(ball, [0, 0, 0])})
     threading.Thread(target=os.write, args=(writing, first), daemon=True).start()
     sink = io.BytesIO()
-    with open(reading, "rb") as source:
+    with os.fdopen(reading, "rb") as source:
         solver_service.SolverService(source, sink, has_read.set).run()
     sink.seek(0)
     frames = [told.head for told in iter(lambda: read_message(sink), None) if told.head["op"] == "frame"]
