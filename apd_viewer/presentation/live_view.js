@@ -29,6 +29,7 @@ const STYLE = `
   .apd-problem { color: #c8372d; }
   .apd-dark .apd-problem { color: #ff9186; }`;
 
+const LEGIBLE = 250; // milliseconds between readings, which change the layout of the page
 const BASE = 0, FREE = 1, HANDLE = 2, MOST_HANDLES = 8;
 
 function render({ model, el }) {
@@ -44,7 +45,7 @@ function render({ model, el }) {
   const name = String(Math.random());
   let view = null, texts, colors, labels, positions, triangles, told = {};
   let tool = -1, active = HANDLE, size = 28; // -1 drags, else the label that the brush paints
-  let waiting = 0, wanted = null, drag = null, stroke = null;
+  let waiting = 0, wanted = null, drag = null, stroke = null, saying = 0;
   const queue = []; // strokes and the like, which all count
 
   // Two requests at a time, so that the way to the kernel and back costs no shapes; of drags only the newest
@@ -80,7 +81,7 @@ function render({ model, el }) {
       view.setPositions(positions);
     }
     if (!drag) gizmo();
-    say();
+    saying ||= setTimeout(say, told.isAtWork ? LEGIBLE : 0);
     ask();
   }
 
@@ -206,6 +207,7 @@ function render({ model, el }) {
   }
 
   function say() {
+    saying = 0;
     root.classList.toggle("apd-dark", parseInt(getComputedStyle(root).color.match(/\d+/)[0]) > 140);
     const undo = bar.querySelector(".apd-end button");
     if (undo) undo.disabled = !told.canUndo;

@@ -47,8 +47,8 @@ export function createMeshView(container, {
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", label);
-  // Without a graphics processor smooth edges take longer than all else, and the cores that a solver needs: they
-  // are drawn once the view is at rest, by twice as many pixels each way.
+  // Without a graphics processor drawing takes the cores that a solver needs: while things move there are half as
+  // many pixels each way, and smooth edges come once the view is at rest, by twice as many.
   const isSlow = hasNoGraphicsProcessor();
   const gl = canvas.getContext("webgl2", { antialias: !isSlow });
   if (!gl) return null;
@@ -181,7 +181,7 @@ export function createMeshView(container, {
   function gizmoShape() {
     const points = [], normals = [], corners = [], parts = [];
     const tube = (stations) => { // of { at, u, v, r }
-      const start = corners.length, sides = 12, first = points.length / 3;
+      const start = corners.length, sides = 8, first = points.length / 3;
       stations.forEach(({ at, u, v, r }, k) => {
         for (let i = 0; i < sides; i++) {
           const n = add(u.map((x) => x * Math.cos(2 * Math.PI * i / sides)), v, Math.sin(2 * Math.PI * i / sides));
@@ -197,7 +197,7 @@ export function createMeshView(container, {
       { at: AXES[k].map((x) => x * s), u: AXES[(k + 1) % 3], v: AXES[(k + 2) % 3], r }));
     for (const k of [0, 1, 2]) tube(along(k, [[0.14, 0.014], [0.84, 0.014], [0.84, 0.05], [1.04, 0.001]]));
     for (const k of [0, 1, 2]) {
-      tube(Array.from({ length: 73 }, (_, i) => ringPoint(k, i / 36 * Math.PI)).map((u) => (
+      tube(Array.from({ length: 49 }, (_, i) => ringPoint(k, i / 24 * Math.PI)).map((u) => (
         { at: u.map((x) => x * RING), u, v: AXES[k], r: 0.012 })));
     }
     const angles = Array.from({ length: 9 }, (_, i) => Math.PI * i / 8);
@@ -302,9 +302,8 @@ export function createMeshView(container, {
       pixel = vec4(min(c * light + shine, 1.0) * alpha, alpha);
     }`;
   const GREY = [205, 203, 198];
-  const SLOW = 30; // milliseconds until a frame is seen to be done, at most two refreshes of a screen
-  const LONGEST_PAUSE = 500; // milliseconds
-  let program, where, mesh, double, tool, pending = 0, fence = null, began = 0, rest = 0, still = 0, later = 0;
+  const STILL = 400; // milliseconds after which a view is at rest
+  let program, where, mesh, double, tool, isFilled, pending = 0, fence = null, still = 0, later = 0;
 
   function begin() { // again after the context was lost
     fence = null;
@@ -323,7 +322,7 @@ export function createMeshView(container, {
     const shape = gizmoShape();
     tool = { ...buffers(shape.corners), parts: shape.parts };
     fill(tool, shape.points, shape.normals);
-    fill(mesh, positions, normalsOf(positions));
+    isFilled = false;
     if (ghost) fill(double, ghost, normalsOf(ghost));
     setColors(colors);
   }
@@ -350,7 +349,7 @@ export function createMeshView(container, {
 
   function setPositions(P) {
     positions = P;
-    fill(mesh, P, normalsOf(P));
+    isFilled = false; // shapes may come faster than they are drawn
     redraw();
   }
 
@@ -386,44 +385,33 @@ export function createMeshView(container, {
     return 0.3 * r + 0.6 * g + 0.1 * b > 140;
   }
 
-  /** Draw soon. A slow frame is followed by a pause as long, so that half of the time is left to others. */
+  /** Draw soon, but not before the last frame is seen: frames that wait for each other would come late. */
   function redraw() {
-    pending ||= requestAnimationFrame(function next(now) {
-      if (fence || now < rest) {
+    clearTimeout(still);
+    pending ||= requestAnimationFrame(function next() {
+      if (fence && gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED) {
         pending = requestAnimationFrame(next);
         return;
       }
-      draw();
-      clearTimeout(still);
-      if (isSlow) still = setTimeout(() => draw(true, true), 400);
-      began = now;
+      gl.deleteSync(fence);
+      draw(true, isSlow ? 0.5 : 1);
       fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
       gl.flush();
-      requestAnimationFrame(measure);
+      if (isSlow) still = setTimeout(draw, STILL, true, 2);
     });
   }
 
-  /** Take the time of a frame as soon as it is drawn. A hidden page is called late: no pause is longer than that. */
-  function measure(now) {
-    if (!fence) return; // the context was lost
-    if (gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED) {
-      requestAnimationFrame(measure);
-      return;
-    }
-    const took = Math.min(now - began, LONGEST_PAUSE);
-    rest = now + (took > SLOW ? took : 0);
-    gl.deleteSync(fence);
-    fence = null;
-  }
-
-  function draw(hasGizmo = true, isFine = false) {
+  /** Draw now, by `fineness` pixels each way for one of the screen. */
+  function draw(hasGizmo, fineness) {
     cancelAnimationFrame(pending);
     clearTimeout(later);
     pending = later = 0;
-    const [width, height] = sizes(), ratio = (window.devicePixelRatio || 1) * (isFine ? 2 : 1);
+    const [width, height] = sizes(), ratio = (window.devicePixelRatio || 1) * fineness;
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
     const { right, up: top, toward, eye } = axes(), R = [right, top, toward];
+    if (!isFilled) fill(mesh, positions, normalsOf(positions));
+    isFilled = true;
     box = bounds();
     const depth = dot(add(eye, box.centre, -1), toward), reach = 1.05 * box.radius;
     const far = Math.max(depth + reach, 1e-6 * reach), near = Math.max(depth - reach, far / 1000);
@@ -470,6 +458,7 @@ export function createMeshView(container, {
     gl.uniform3f(where.heart, ...heart);
     const lit = isDark() ? [255, 224, 130] : [250, 180, 20];
     tool.parts.forEach(([start, count], k) => {
+      if ((gesture?.part ?? k) !== k) return; // the others are in the way of a drag
       show(tool, k > 2 && k < 6 ? 3 : 2, k === hot ? lit : GIZMO[k], start, count);
     });
   }
@@ -590,7 +579,7 @@ export function createMeshView(container, {
   dark.addEventListener("change", redraw);
 
   function picture() {
-    draw(false, isSlow);
+    draw(false, isSlow ? 2 : 1);
     const url = canvas.toDataURL("image/png");
     redraw();
     return url;
