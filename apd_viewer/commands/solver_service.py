@@ -29,8 +29,7 @@ from apd_viewer.language import tr
 PROTOCOL = 1
 BEAT = 1.0  # seconds between reports of progress
 # Of these only the newest is answered.
-_MOTIONS = ("move", "keep")
-_REPLACED = (*_MOTIONS, "frame")
+_REPLACED = ("move", "keep", "frame")
 _MOST_WAITING = 16  # messages; further ones wait in the pipe
 _NOT_IN_JSON = ("self", "V", "F", "fixed", "handle", "rest", "factored", "soft", "regions", "convergence")
 # Arguments of a deformation that a message can give.
@@ -139,10 +138,6 @@ class SolverService:
                     return
                 if op not in _REPLACED:
                     return
-
-    def _is_newer_motion_waiting(self) -> bool:
-        with self._arrived:
-            return any(message.head.get("op") in _MOTIONS for message in self._messages)
 
     def _answer(self, message: Message) -> None:
         answers = {
@@ -263,7 +258,9 @@ class SolverService:
             return
         frame = self._walk.frame()
         told = {"op": "frame", "id": self._asked.head.get("id"), "motion": self._motion}
-        told["finished"] = not (self._is_iterating or self._is_newer_motion_waiting())
+        with self._arrived:
+            is_replaced = any(message.head.get("op") in ("move", "keep") for message in self._messages)
+        told["finished"] = not (self._is_iterating or is_replaced)
         self._send(told | _readings(frame), {"U": frame.U.astype(self._dtype)})
         self._asked, self._has_news = None, False
 
