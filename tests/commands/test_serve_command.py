@@ -101,7 +101,7 @@ def test_serve_command_answers_the_newest_motion(ball):
     )
 
 
-def test_service_finishes_no_motion_that_is_replaced(ball, monkeypatch):
+def test_serve_command_finishes_no_motion_that_is_replaced(ball, monkeypatch):
     """A request read during an iteration, behind a newer motion, gets the shape before that motion."""
     reading, writing = os.pipe()
     has_read, iterate = threading.Event(), PathIteration.iterate
