@@ -215,10 +215,13 @@ def test_unit_button_marks_a_guess_until_it_is_confirmed(qtbot, window, files, s
         """Press Return once the menu is on the screen, and has the keys."""
         window_of_menu = menu.windowHandle()
         if QApplication.activePopupWidget() is menu and window_of_menu and window_of_menu.isExposed():
+            menu.setActiveAction(preselected[0])  # unless the pointer happens to be over another one
             qtbot.keyClick(menu, Qt.Key.Key_Return)
         if menu.isVisible():
             QTimer.singleShot(20, press)
 
+    preselected = []
+    menu.aboutToShow.connect(lambda: preselected.append(menu.activeAction()))
     menu.aboutToShow.connect(lambda: QTimer.singleShot(100, press))
     qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert (button.text(), panel.unit) == ("cm", CM)
