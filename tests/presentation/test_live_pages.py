@@ -22,7 +22,7 @@ pytestmark = pytest.mark.extra
 ROOT = Path(__file__).parents[2]
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SECONDS = 8.0  # of a drag
-ENOUGH = 8.0  # shapes drawn a second on two cores that all of this shares; 11 to 17 were measured
+ENOUGH = 5.0  # shapes drawn a second on two cores that all of this shares; 8 to 17 were measured
 OPEN = f"""
 import numpy as np
 import apd_viewer
