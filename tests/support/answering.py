@@ -6,6 +6,42 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 
 LEFT = Qt.MouseButton.LeftButton
 EVERY = 20  # ms
+TRIES = 500
+
+
+def once(is_there, act, tries=TRIES):
+    """Act as soon as something is there, also from within the loop of events of a menu or a dialog.
+
+    A fixed delay instead comes before a menu that a busy machine has not shown yet, which takes no keys.
+    """
+
+    def look():
+        if is_there():
+            act()
+        elif tries:
+            once(is_there, act, tries - 1)
+
+    QTimer.singleShot(EVERY, look)
+
+
+def once_shown(menu, act):
+    """Act as soon as a menu is on the screen and has the keys."""
+
+    def is_shown():
+        window = menu.windowHandle()
+        return QApplication.activePopupWidget() is menu and window is not None and window.isExposed()
+
+    once(is_shown, act)
+
+
+def once_asked(act):
+    """Act as soon as a dialog is on the screen."""
+
+    def is_asked():
+        dialog = QApplication.activeModalWidget()
+        return dialog is not None and dialog.isVisible()
+
+    once(is_asked, act)
 
 
 class Person:

@@ -24,6 +24,7 @@ from pathlib import Path
 import meshes
 import numpy as np
 import pytest
+from answering import once
 from command_here import CommandHere
 from counted_inputs import User, facing, line, ring_way
 from driving import document, idle, work_off
@@ -31,9 +32,9 @@ from immediate import Here
 from kept_window import opened_in, widened
 from meshes import box, character, ends, grid, sphere
 from page_parts import PageParts
-from PySide6.QtCore import QCoreApplication, QPointF, Qt, QTimer
+from PySide6.QtCore import QCoreApplication, QPointF, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QFileDialog
 from study_work import computed
 
 from apd_viewer.files.mesh_writing import save_mesh
@@ -218,7 +219,10 @@ def test_workbench_writes_a_report_in_four_inputs(qtbot, own_dialogs, opened, tm
         user.key(KEY.Key_Return)
 
     def accept_title():
-        QTimer.singleShot(500, name_file)  # once the next dialog is there
+        once(
+            lambda: isinstance(QApplication.activeModalWidget(), QFileDialog) and QApplication.focusWidget(),
+            name_file,
+        )
         user.inputs.append("key Key_Return")
         QTest.keyClick(QApplication.focusWidget(), KEY.Key_Return)
 

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from answering import once_asked
 from driving import idle, show, work_off
 from finished_study import write_study
 from meshes import ends, sphere
-from PySide6.QtCore import QEvent, QPoint, Qt, QTimer
+from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QHelpEvent
 from PySide6.QtWidgets import QAbstractButton, QApplication, QDockWidget, QLabel, QTabBar, QTextEdit, QToolTip
 from shiboken6 import isValid
@@ -186,7 +187,7 @@ def asked(looker, ask):
         finally:
             QApplication.activeModalWidget().reject()
 
-    QTimer.singleShot(300, answer)
+    once_asked(answer)
     return ask()
 
 
@@ -321,7 +322,7 @@ def test_show_about_box_shows_the_only_mark_up_that_there_is(qtbot, window):
         found.extend((label.textFormat(), label.text()) for label in box.findChildren(QLabel) if label.text())
         box.reject()
 
-    QTimer.singleShot(300, look)
+    once_asked(look)
     file_dialogs.show_about_box(window.shell)
     ((form, text),) = found
     assert form is Qt.TextFormat.RichText

@@ -5,9 +5,9 @@ import re
 import meshes
 import numpy as np
 import pytest
+from answering import once_shown
 from driving import document, idle, work_off
-from PySide6.QtCore import QPoint, Qt, QTimer
-from PySide6.QtWidgets import QApplication
+from PySide6.QtCore import QPoint, Qt
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import SAMPLES, resource_path
@@ -131,7 +131,7 @@ def test_unit_button_is_used_with_the_mouse_or_the_keys(qtbot, bottle):
             qtbot.keyClick(menu, Qt.Key.Key_Return)
 
         choose(bottle, NONE)
-        QTimer.singleShot(100, take)
+        once_shown(menu, take)
         use()
         qtbot.waitUntil(lambda seen=seen: bool(seen), timeout=3_000)
         assert seen == [True]
@@ -143,8 +143,7 @@ def test_unit_button_is_used_with_the_mouse_or_the_keys(qtbot, bottle):
 def test_unit_button_takes_a_unit_by_its_letter(qtbot, bottle, keys, symbol):
     choose(bottle, CM if symbol == "no unit" else NONE)
     button = bottle.panel.area.unit
-    QTimer.singleShot(100, lambda: qtbot.keyClicks(button.menu(), keys))
-    QTimer.singleShot(3_000, button.menu().close)
+    once_shown(button.menu(), lambda: (qtbot.keyClicks(button.menu(), keys), button.menu().close()))
     qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert button.text() == symbol
 
@@ -212,17 +211,12 @@ def test_unit_button_marks_a_guess_until_it_is_confirmed(qtbot, window, files, s
     menu = button.menu()
 
     def press():
-        """Press Return once the menu is on the screen, and has the keys."""
-        window_of_menu = menu.windowHandle()
-        if QApplication.activePopupWidget() is menu and window_of_menu and window_of_menu.isExposed():
-            menu.setActiveAction(preselected[0])  # unless the pointer happens to be over another one
-            qtbot.keyClick(menu, Qt.Key.Key_Return)
-        if menu.isVisible():
-            QTimer.singleShot(20, press)
+        menu.setActiveAction(preselected[0])  # unless the pointer happens to be over another one
+        qtbot.keyClick(menu, Qt.Key.Key_Return)
 
     preselected = []
     menu.aboutToShow.connect(lambda: preselected.append(menu.activeAction()))
-    menu.aboutToShow.connect(lambda: QTimer.singleShot(100, press))
+    once_shown(menu, press)
     qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert (button.text(), panel.unit) == ("cm", CM)
     assert "guess" not in button.toolTip()

@@ -3,9 +3,10 @@
 import meshes
 import numpy as np
 import pytest
+from answering import once_asked
 from driving import idle
 from kept_window import widened
-from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QColor, QGuiApplication, QImage, QPainter
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
@@ -308,7 +309,7 @@ def test_ask_for_picture_leads_from_the_menu_to_the_file(qtbot, still, tmp_path,
         dialog.times.activated.emit(0)
         dialog.save.click()
 
-    QTimer.singleShot(200, answer)
+    once_asked(answer)
     still.actions_.file.picture.trigger()
     idle(qtbot, still)
     assert isinstance(seen[0], PictureDialog)
