@@ -3,7 +3,7 @@
 from functools import partial
 
 from PySide6.QtCore import QEvent, QRect, QSize, Qt, QTimer
-from PySide6.QtGui import QFont, QPainter, QPaintEvent
+from PySide6.QtGui import QFont, QFontMetrics, QPainter, QPaintEvent
 from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QScrollArea, QSizePolicy, QTabWidget, QWidget
 
 from apd_viewer.language import tr
@@ -22,13 +22,16 @@ class Heading(QAbstractButton):
         self.reading = ""
         self._only_folded = False
         self._theme = LIGHT
+
+    def _title_font(self) -> QFont:
+        """Font of the title; as the widget's own, it would also be that of the buttons in it."""
         font = QFont(self.font())
         font.setWeight(QFont.Weight.DemiBold)
-        self.setFont(font)
+        return font
 
     def sizeHint(self) -> QSize:
         """Size of title, reading and chevron on one line."""
-        metrics = self.fontMetrics()
+        metrics = QFontMetrics(self._title_font())
         width = metrics.horizontalAdvance(f"{self.text()}  {self.reading}") + CHEVRON + 8
         return QSize(width, max(24, metrics.height() + 8))
 
@@ -50,13 +53,12 @@ class Heading(QAbstractButton):
         theme, room = self._theme, self.rect()
         painter = QPainter(self)
         painter.setPen(theme.ink if self.underMouse() or self.hasFocus() else theme.quiet)
+        painter.setFont(self._title_font())
         painter.drawText(room, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, self.text())
         chevron = QRect(room.right() + 1 - CHEVRON, (room.height() - CHEVRON) // 2, CHEVRON, CHEVRON)
         icon("unfolded" if self.isChecked() else "folded", theme).paint(painter, chevron)
         if not (self._only_folded and self.isChecked()):
-            font = QFont(self.font())
-            font.setWeight(QFont.Weight.Normal)
-            painter.setFont(font)
+            painter.setFont(self.font())
             painter.setPen(theme.ink if self.isEnabled() else theme.faint)
             painter.drawText(
                 room.adjusted(0, 0, -CHEVRON - 8, 0),
