@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
 
@@ -105,10 +105,10 @@ class StatusBar(QStatusBar):
         needed = self.hint.room_for(message) if message else self.hint.sizeHint().width()
         left = self.width() - taken - needed - 2 * gap
         least, most = self._pace_room
-        width = max(least, min(most, left))
-        if width != self._pace.maximumWidth():
+        room = QSize(max(least, min(most, left)), self.hint.sizeHint().height())
+        if room != self._pace.maximumSize():
             # Of a fixed size, so that its numbers do not make the window lay out and draw everything anew.
-            self._pace.setFixedSize(width, self.hint.sizeHint().height())
+            self._pace.setFixedSize(room)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Share the room anew."""
