@@ -395,7 +395,7 @@ class Scene:
         """Which vertices are previewed, (n,) bool array."""
         selector = self.canvas.selectors[self.canvas.selection_mode]
         if hasattr(selector, "preview_timer"):
-            self.qtbot.waitUntil(lambda: not selector.preview_timer.isActive(), timeout=2_000)
+            self.qtbot.waitUntil(lambda: not selector.preview_timer.isActive())
         found = np.zeros(len(self.document.labels), dtype=bool)
         if self.canvas.coloring.previewed_ids is not None:
             found[self.canvas.coloring.previewed_ids] = True

@@ -112,7 +112,7 @@ def settle(qtbot, view):
         still = view.antialiasing.idle_timer
         interval = still.interval()
         still.setInterval(10**6)  # on a busy machine it would be over before the draw is seen
-        qtbot.waitUntil(lambda: not view.is_stale, timeout=5_000)
+        qtbot.waitUntil(lambda: not view.is_stale)
         still.stop()
         still.setInterval(interval)
 

@@ -42,6 +42,13 @@ def pytest_configure(config):
         config.addinivalue_line("qt_log_ignore", "QOpenGLWidget")
 
 
+@pytest.fixture
+def qtbot(qtbot):
+    """One that is patient: a busy machine is slow, and a wait for what comes ends when it has come."""
+    qtbot.waitUntil = partial(qtbot.waitUntil, timeout=30_000)
+    return qtbot
+
+
 @pytest.fixture(autouse=True)
 def smooth_frames(monkeypatch):
     """A view at rest is not drawn once more, with smooth edges, unless the test is about that."""

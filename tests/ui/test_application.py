@@ -34,7 +34,7 @@ def test_gui_thread_gc_collects_cyclic_garbage_from_the_event_loop_only(qtbot, m
     [[] for _ in range(10)]
     keep = [[] for _ in range(3 * gc.get_threshold()[0])]
     assert gone() is not None
-    qtbot.waitUntil(lambda: gone() is None, timeout=2000)
+    qtbot.waitUntil(lambda: gone() is None)
     collector.close()
     assert gc.isenabled()
     assert keep

@@ -209,7 +209,7 @@ def test_paint_after_a_drag_does_not_move_the_mesh(qtbot, bottle, watch_frames):
     bottle.tools.choose_tool(Tool.MOVE)
     shown = watch_frames(bottle)
     drag(qtbot, bottle, arrow_grip(bottle, 0), (4, 0), steps=4)
-    qtbot.waitUntil(lambda: bool(shown), timeout=5_000)
+    qtbot.waitUntil(lambda: bool(shown))
     idle(qtbot, bottle)
     step = np.linalg.norm(pose_of(bottle)[:3, 3])
     size = np.linalg.norm(np.ptp(document(bottle).mesh.V, axis=0))
@@ -344,7 +344,7 @@ def test_solver_worker_replies_never_pile_up(qtbot, sample):
     time.sleep(0.2)  # the window is busy for longer than several frames take
     QApplication.processEvents()
     assert len(woken) <= 2
-    qtbot.waitUntil(lambda: sample.session.store.state.frame.iteration > iteration + 2, timeout=2_000)
+    qtbot.waitUntil(lambda: sample.session.store.state.frame.iteration > iteration + 2)
 
 
 # Bad input and files

@@ -20,7 +20,7 @@ GROW, SHRINK, SMOOTH, INVERT = range(4)
 def keyboard(qtbot, scene):
     """Presses keys in the window."""
     scene.window.shell.activateWindow()
-    qtbot.waitUntil(scene.window.shell.isActiveWindow, timeout=5_000)
+    qtbot.waitUntil(scene.window.shell.isActiveWindow)
     scene.view.setFocus()
     return lambda key, modifiers=Qt.KeyboardModifier.NoModifier: qtbot.keyClick(scene.view, key, modifiers)
 

@@ -61,7 +61,7 @@ def test_recovery_bar_offers_again_what_is_put_off(qtbot, started, left):
 def test_recovery_bar_does_not_offer_the_work_of_another_window(qtbot, started, folder):
     first = started()
     first.session.handles.move_by(MOTIONS["TWIST"], "20", 0)
-    qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
+    qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [])
     assert started().recovery.isHidden()
 
 
@@ -69,7 +69,7 @@ def test_autosave_leaves_nothing_after_a_clean_end(qtbot, started, folder):
     window = started()
     assert window.recovery.isHidden()
     window.session.handles.move_by(MOTIONS["TWIST"], "20", 0)
-    qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
+    qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [])
     idle(qtbot, window)
     window.shell.close()
     assert list(folder.iterdir()) == []

@@ -203,7 +203,7 @@ def test_tour_moves_on_with_a_turn_of_the_ring_and_a_look_at_the_area(qtbot, tou
     turn(qtbot, toured)
     assert tour.step_number == 2, "the area is there to be read"
     idle(qtbot, toured)
-    qtbot.waitUntil(lambda: tour.step_number == 3, timeout=5_000)
+    qtbot.waitUntil(lambda: tour.step_number == 3)
 
 
 def test_tour_does_not_move_on_with_a_turn_that_is_taken_back(qtbot, toured):

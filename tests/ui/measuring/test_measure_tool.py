@@ -121,7 +121,7 @@ def test_measure_controller_has_values_follow_shape_and_unit_and_copies_them(qtb
     window.session.handles.drag(pose)
     rest = document(window).mesh.V
     qtbot.waitUntil(lambda: window.session.store.state.frame.U is not rest, timeout=30_000)
-    qtbot.waitUntil(lambda: row.reading.text().endswith("%"), timeout=5_000)
+    qtbot.waitUntil(lambda: row.reading.text().endswith("%"))
     reading = readings(window)[0]
     now, was = reading.now.values[0], reading.rest.values[0]
     said = row.reading.text().replace("\N{MINUS SIGN}", "-").split("  ")[1]

@@ -79,7 +79,7 @@ def test_clear_all_leaves_what_is_locked(qtbot, bottle, row):
 
 def test_part_commands_lock_and_hide_the_part_of_the_tool_by_keys(qtbot, bottle):
     bottle.shell.activateWindow()
-    qtbot.waitUntil(bottle.shell.isActiveWindow, timeout=5_000)
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
     bottle.canvas.viewport.setFocus()
     bottle.tools.choose_tool(Tool.BASE)
     qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_K)

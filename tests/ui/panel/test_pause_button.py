@@ -37,7 +37,7 @@ def test_pause_button_stops_the_solver_and_lets_it_go_on(qtbot, solving):
 
 def test_pause_or_resume_is_done_by_space_in_the_view(qtbot, solving):
     solving.shell.activateWindow()
-    qtbot.waitUntil(solving.shell.isActiveWindow, timeout=5_000)
+    qtbot.waitUntil(solving.shell.isActiveWindow)
     view = solving.canvas.viewport
     view.setFocus()
     qtbot.keyClick(view, Qt.Key.Key_Space)

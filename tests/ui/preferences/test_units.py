@@ -133,7 +133,7 @@ def test_unit_button_is_used_with_the_mouse_or_the_keys(qtbot, bottle):
         choose(bottle, NONE)
         once_shown(menu, take)
         use()
-        qtbot.waitUntil(lambda seen=seen: bool(seen), timeout=3_000)
+        qtbot.waitUntil(lambda seen=seen: bool(seen))
         assert seen == [True]
         assert (button.text(), button.accessibleName()) == ("mm", "Unit of length: mm")
         assert [action.isChecked() for action in menu.actions()] == [False, True, False, False, False, False]

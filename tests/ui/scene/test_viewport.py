@@ -351,7 +351,7 @@ def test_antialiasing_draws_a_resting_view_once_more_with_smooth_edges(qtbot, vi
     view.antialiasing.idle_timer.setInterval(IDLE_DELAY)
     before = view.draw_count
     view.update()
-    qtbot.waitUntil(lambda: view.draw_count == before + 2, timeout=2000)
+    qtbot.waitUntil(lambda: view.draw_count == before + 2)
     work_off()
     assert not view.antialiasing.idle_timer.isActive()
     assert view.draw_count == before + 2

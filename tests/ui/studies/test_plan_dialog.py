@@ -143,7 +143,7 @@ def test_engine_fields_hand_the_options_of_a_scheduler_to_the_command(
     ask_scheduler(dialog, "")
     assert "tcp://host:8786" in dialog.message.text()
     ask_scheduler(dialog, listener)
-    qtbot.waitUntil(lambda: bool(begun), timeout=5_000)
+    qtbot.waitUntil(lambda: bool(begun))
     assert begun == [(tmp_path / "cluster", ["--scheduler", listener])]
     assert (tmp_path / "cluster" / PLAN_FILE).exists()
 
@@ -158,7 +158,7 @@ def test_plan_dialog_begins_what_was_asked_for_whatever_is_typed_meanwhile(
     dialog.engine.address.setText("elsewhere")
     dialog.folder.setText("")
     dialog.samples.setValue(5)
-    qtbot.waitUntil(lambda: bool(begun), timeout=5_000)
+    qtbot.waitUntil(lambda: bool(begun))
     assert begun == [(tmp_path / "asked", ["--scheduler", listener])]
     assert len(rows_of(tmp_path / "asked")) == 4
 
@@ -171,7 +171,7 @@ def test_plan_dialog_takes_a_tilde_for_the_folder_of_the_user(
     (tmp_path / "lab.json").write_text(f'{{"address": "{listener}"}}', encoding="utf-8")
     dialog.folder.setText("~/tilde")
     ask_scheduler(dialog, "~/lab.json")
-    qtbot.waitUntil(lambda: bool(begun), timeout=5_000)
+    qtbot.waitUntil(lambda: bool(begun))
     assert begun == [(tmp_path / "tilde", ["--scheduler-file", str(tmp_path / "lab.json")])]
 
 
@@ -191,7 +191,7 @@ def test_plan_dialog_says_within_seconds_that_nobody_is_at_an_address(
     dialog.folder.setText(str(tmp_path / "deserted"))
     started = time.monotonic()
     ask_scheduler(dialog, deserted)
-    qtbot.waitUntil(lambda: "No scheduler answers" in dialog.message.text(), timeout=6_000)
+    qtbot.waitUntil(lambda: "No scheduler answers" in dialog.message.text())
     assert time.monotonic() - started < 6.0
     assert deserted in dialog.message.text()
     assert not (tmp_path / "deserted").exists()
@@ -275,7 +275,7 @@ def test_study_run_refuses_a_study_by_dask_where_that_is_missing(qtbot, bar, dia
     dialog.folder.setText(str(home / "without-dask"))
     ask_scheduler(dialog, listener)
     with qtbot.waitSignal(bar.case_studies.run.ended, timeout=60_000):
-        qtbot.waitUntil(lambda: bar.case_studies.run.is_running, timeout=6_000)
+        qtbot.waitUntil(lambda: bar.case_studies.run.is_running)
     assert "install apd-viewer[cluster]" in bar.case_studies.panel.message.text()
 
 
@@ -289,7 +289,7 @@ def test_study_run_runs_a_study_by_a_scheduler_of_dask(qtbot, bar, dialog, home,
         dialog.steps.setValue(2)
         dialog.folder.setText(str(folder))
         ask_scheduler(dialog, address_in(file))
-        qtbot.waitUntil(lambda: bar.case_studies.run.is_running, timeout=6_000)
+        qtbot.waitUntil(lambda: bar.case_studies.run.is_running)
         qtbot.waitUntil(lambda: finished(bar, 3), timeout=150_000)
     panel = bar.case_studies.panel
     assert "3 of 3 done" in panel.message.text()

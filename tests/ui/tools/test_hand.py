@@ -308,7 +308,7 @@ def test_bake_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot,
     assert session.wait_idle(20.0)
     before, eye, title = session.store.state, view.camera_controller.camera.key, bottle.shell.windowTitle()
     bottle.actions_.bake.trigger()
-    qtbot.waitUntil(lambda: session.store.state.document.mesh is not before.document.mesh, timeout=5000)
+    qtbot.waitUntil(lambda: session.store.state.document.mesh is not before.document.mesh)
     assert (view.camera_controller.camera.key, bottle.shell.windowTitle(), bottle.canvas.tool) == (
         eye,
         title,
