@@ -69,7 +69,7 @@ class LiveDeformation:
         self._turn, self._origin = world[:3, :3], world[:3, 3]
         self._back = np.linalg.inv(self._turn)
         self._places = self._rest.astype(np.float64) @ self._turn.T
-        self._before = self._matrices()
+        self._from_start = np.linalg.inv(self._matrices())
         had_key = obj.data.shape_keys is not None and object_arrays.KEY in obj.data.shape_keys.key_blocks
         self._kept = self._key_positions(obj) if had_key else None
         self._sent, self.motion, self._is_asked, self.is_settled = None, 0, False, False
@@ -78,7 +78,7 @@ class LiveDeformation:
         F = object_arrays.triangles(obj.data)
         # Answers to earlier messages are about another mesh.
         self._first = solver.send(
-            "open", opening_arrays(self._places, F, held[0], held[1:]), settings=settings
+            "open", opening_arrays(self._places, F, held[0], held[1:]), settings=settings, dtype="<f4"
         )
 
     def tick(self):
@@ -159,8 +159,8 @@ class LiveDeformation:
         if self._sent is not None and np.array_equal(now, self._sent):
             return
         places = [self._places[self._held[0]]]
-        for ids, before, after in zip(self._held[1:], self._before, now, strict=True):
-            motion = after @ np.linalg.inv(before)
+        for ids, from_start, matrix in zip(self._held[1:], self._from_start, now, strict=True):
+            motion = matrix @ from_start
             places.append(
                 (self._places[ids] + self._origin) @ motion[:3, :3].T + motion[:3, 3] - self._origin
             )
@@ -171,12 +171,13 @@ class LiveDeformation:
         head = answer.head
         obj = self._object()
         key = object_arrays.shape_key(obj)
-        object_arrays.write_key(obj, key, answer.arrays["U"] @ self._back.T)
+        # Not by "@": the threads of BLAS wait busily for tens of ms afterwards, on the cores of the solver.
+        object_arrays.write_key(obj, key, np.einsum("ij,kj->ik", answer.arrays["U"], self._back))
         self.readings = head
         self.status = head["unreached"] or ("Settled" if self.is_settled else "Working")
 
     @staticmethod
     def _key_positions(obj):
         V = np.empty(3 * len(obj.data.vertices), np.float32)
-        obj.data.shape_keys.key_blocks[object_arrays.KEY].data.foreach_get("co", V)
+        obj.data.shape_keys.key_blocks[object_arrays.KEY].points.foreach_get("co", V)
         return V.reshape(-1, 3)

@@ -42,7 +42,7 @@ def rest_positions(mesh):
     """Positions (n, 3) float32 of the basis, or of the mesh without shape keys."""
     if mesh.shape_keys:
         V = np.empty(3 * len(mesh.vertices), np.float32)
-        mesh.shape_keys.reference_key.data.foreach_get("co", V)
+        mesh.shape_keys.reference_key.points.foreach_get("co", V)
         return V.reshape(-1, 3)
     return positions(mesh)
 
@@ -92,7 +92,7 @@ def shape_key(obj, name=KEY):
 
 def write_key(obj, key, V):
     """Write positions (n, 3) into a shape key."""
-    key.data.foreach_set("co", np.ascontiguousarray(V, np.float32).ravel())
+    key.points.foreach_set("co", np.ascontiguousarray(V, np.float32).ravel())
     obj.data.update()
 
 

@@ -7,7 +7,7 @@ from . import baking
 from .live_deformation import LiveDeformation
 from .solver_process import SolverError, SolverProcess, solver_command
 
-_TICKS_A_SECOND = 60
+TICKS_A_SECOND = 60
 
 
 class Session:
@@ -71,7 +71,7 @@ class APD_OT_live(bpy.types.Operator):
         except SolverError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._timer = context.window_manager.event_timer_add(1 / _TICKS_A_SECOND, window=context.window)
+        self._timer = context.window_manager.event_timer_add(1 / TICKS_A_SECOND, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
@@ -86,7 +86,8 @@ class APD_OT_live(bpy.types.Operator):
             if event.type == "ESC" and event.value == "PRESS":
                 live.undo()
                 return self._ended(context, {"CANCELLED"})
-            if event.type == "TIMER" and (live.tick() or not live.is_settled):
+            before = live.status
+            if event.type == "TIMER" and (live.tick() or live.status != before):
                 for area in context.screen.areas:
                     if area.type == "VIEW_3D":
                         area.tag_redraw()
