@@ -9,9 +9,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, BinaryIO
 
+if sys.platform == "linux":
+    import fcntl
+
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
+# Bytes of the pipe of messages, the most that Linux allows by default: the solver need not wait for the other
+# program to take a shape of 40,000 vertices.
+_PIPE = 1 << 20
 _ENDING = "SIGTERM", "SIGHUP", "SIGBREAK"  # termination signals, not all of which exist on every system
 
 
@@ -42,6 +48,9 @@ def message_streams() -> Iterator[tuple[BinaryIO, BinaryIO]]:
     # Whatever a library prints must not come between the messages.
     with os.fdopen(os.dup(1), "wb") as sink:
         os.dup2(2, 1)
+        if sys.platform == "linux":
+            with suppress(OSError):  # not a pipe, or this user's pipes have all the memory that they may have
+                fcntl.fcntl(sink, fcntl.F_SETPIPE_SZ, _PIPE)
         yield sys.stdin.buffer, sink
 
 
