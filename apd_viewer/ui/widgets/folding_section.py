@@ -24,7 +24,7 @@ class Heading(QAbstractButton):
         self._theme = LIGHT
 
     def _title_font(self) -> QFont:
-        """Font of the title; as the widget's own, it would also be that of the buttons in it."""
+        # As the widget's own it would also be the font of the buttons in the heading.
         font = QFont(self.font())
         font.setWeight(QFont.Weight.DemiBold)
         return font
