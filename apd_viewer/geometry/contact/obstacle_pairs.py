@@ -146,7 +146,33 @@ class ObstaclePairs:
         wanted = fraction * np.maximum(outwards @ move, 0.0)
         # At most wanted, so that the motion by another obstacle towards this one is not undone.
         missing = np.clip(wanted - np.einsum("ij,ij->i", W - U, outwards), 0.0, wanted)
-        return W + missing[:, None] * outwards
+        return self._with_near_pairs_pushed(U, W + missing[:, None] * outwards, move)
+
+    def _with_near_pairs_pushed(self, U: np.ndarray, W: np.ndarray, move: np.ndarray) -> np.ndarray:
+        """Positions ``W`` (n, 3), with edges and triangles near the obstacle pushed ahead, too.
+
+        An obstacle can touch a triangle whose vertices are all far.
+        """
+        room = _CARRIED * float(np.linalg.norm(move))
+        near = np.flatnonzero(self._low < self._reach + room)
+        ids, X = self._pairs[near], self._with(U, self.points)
+        w = gap_springs(X, ids, self._edges[near], np.full(len(near), np.inf), 0.0, self.obstacle.radius)[1]
+        on_surface = np.where(ids < len(U), w, 0.0)
+        # From the obstacle to the surface, whichever of them the gap is measured from.
+        sign = np.where(on_surface.sum(axis=1) < 0.0, -1.0, 1.0)
+        outwards = np.einsum("p,pk,pka->pa", sign, w, X[ids])
+        apart = np.maximum(np.linalg.norm(outwards, axis=1), np.finfo(float).tiny)
+        outwards /= apart[:, None]
+        fraction = np.clip(1.0 - (apart - self.obstacle.radius - self._reach) / room, 0.0, 1.0)
+        wanted = fraction * np.maximum(outwards @ move, 0.0)
+        moved = np.einsum("p,pk,pka->pa", sign, on_surface, self._with(W, self.points)[ids] - X[ids])
+        missing = np.clip(wanted - np.einsum("pa,pa->p", moved, outwards), 0.0, wanted)
+        # A vertex of several pairs takes the farthest move.
+        rows = np.argsort(missing, kind="stable")
+        rows = rows[missing[rows] > 0.0]
+        pushed = np.zeros_like(X)
+        pushed[ids[rows]] = (missing[:, None] * outwards)[rows, None]
+        return W + pushed[: len(U)]
 
     def _with(self, U: np.ndarray, points: np.ndarray) -> np.ndarray:
         return np.concatenate([U, points])

@@ -143,6 +143,21 @@ def test_positions_pushed_by_obstacles_lets_no_plate_push_back_what_another_push
 
 
 @pytest.mark.parametrize(
+    "finger", [ball([0.0, 0.0, 0.5], 0.498), capsule([0.0, -0.1, 0.5], [0.0, 0.1, 0.5], 0.498)]
+)
+def test_positions_pushed_by_obstacles_takes_along_a_triangle_whose_vertices_are_far(finger):
+    V = np.array([[2.0, 0.0, 0.0], [-1.0, 1.8, 0.0], [-1.0, -1.8, 0.0]])
+    contact = Contact(V, np.array([[0, 1, 2]]), np.zeros(3, np.int64), 1.0, 0.01, obstacles=[finger])
+    contact.start_at(V)
+    ahead = np.array([[0.0, 0.0, -0.02]])
+    contact.set_obstacle_targets(ahead)
+    assert contact.trial_fractions(V) is not None, "it does not reach the triangle"
+    W = contact.positions_pushed_by_obstacles(V, V)
+    np.testing.assert_allclose(W - V, np.repeat(ahead, 3, axis=0), atol=1e-12)
+    assert contact.trial_fractions(W) is None
+
+
+@pytest.mark.parametrize(
     ("make", "words"),
     [
         (lambda: plate([0, 0, 0], [0, 0, 0], 1.0), "direction"),

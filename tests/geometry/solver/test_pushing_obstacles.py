@@ -86,16 +86,17 @@ def test_contact_descent_does_not_let_a_dragged_obstacle_wait_where_it_touches_f
     assert reached[free + 15] > reached[free]
 
 
-@pytest.mark.night
+@pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", ["sphere", "cylinder"])
-def test_deformation_moves_handles_and_obstacles_together_and_enters_nothing(kind):
+def test_deformation_moves_handles_and_obstacles_together_and_enters_nothing(kind, seed):
+    """Whatever the last bits of the targets: an obstacle that waits for its triangle may stop anywhere."""
     V, F, fixed, high = held_tube()
     obstacles = [beside(kind)]
     solver = Deformation(V, F, fixed, handle=high, obstacles=obstacles, **STIFF)
     targets = V.copy()
-    targets[high] += 0.4 * Y - 0.3 * Z
+    targets[high] += 0.4 * Y - 0.3 * Z + 1e-12 * np.random.default_rng(seed).standard_normal(3)
     solver.aim(targets[fixed], shifts=[-0.7 * X])
-    frame = settle(solver, obstacles)
+    frame = settle(solver, obstacles, most=600)
     assert frame.converged
     assert np.array_equal(frame.U[fixed], targets[fixed])
     assert np.array_equal(frame.shifts, [-0.7 * X])
