@@ -19,7 +19,7 @@ from apd_viewer.session.model.view import CameraPose, View
 from apd_viewer.session.session import Session
 from apd_viewer.session.state_store import Listener
 
-LONG = 20.0  # seconds; nothing here should come near it
+LONG = 120.0  # seconds; nothing here should come near it, on a slow machine either
 
 
 class Driven(Session):

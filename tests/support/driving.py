@@ -102,7 +102,7 @@ def show(qtbot, widget, view):
     widget.show()
     qtbot.waitExposed(widget)
     if QGuiApplication.platformName() != "offscreen":
-        qtbot.waitUntil(lambda: view.draw_count > 0, timeout=10_000)
+        qtbot.waitUntil(lambda: view.draw_count > 0)
         settle(qtbot, view)
 
 

@@ -45,7 +45,7 @@ def pytest_configure(config):
 @pytest.fixture
 def qtbot(qtbot):
     """One that is patient: a busy machine is slow, and a wait for what comes ends when it has come."""
-    qtbot.waitUntil = partial(qtbot.waitUntil, timeout=30_000)
+    qtbot.waitUntil = partial(qtbot.waitUntil, timeout=60_000)
     return qtbot
 
 

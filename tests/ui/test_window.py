@@ -270,7 +270,7 @@ def big(process, qtbot, kept_window, request):
     window.tools.choose_tool(Tool.MOVE)
     session.gestures.begin()
     session.handles.drag(np.eye(4) + np.eye(4, k=3) * 1e-6)
-    qtbot.waitUntil(lambda: session.store.state.frame.iteration > 0, timeout=20_000)
+    qtbot.waitUntil(lambda: session.store.state.frame.iteration > 0)
     session.gestures.cancel()
     idle(qtbot, window)
     return window

@@ -33,7 +33,7 @@ def test_recovery_bar_restores_what_was_left_as_one_step_and_keeps_it_safe(qtbot
     assert "duck.obj" in window.recovery.text
     before = window.session.store.state
     click(qtbot, window.recovery.restore)
-    qtbot.waitUntil(lambda: window.session.store.state is not before, timeout=10_000)
+    qtbot.waitUntil(lambda: window.session.store.state is not before)
     idle(qtbot, window)
     np.testing.assert_array_equal(window.session.store.state.document.labels, left.labels)
     assert window.recovery.isHidden()

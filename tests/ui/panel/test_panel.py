@@ -258,7 +258,7 @@ def test_area_section_asks_for_a_typed_target_and_it_is_met(qtbot, bottle):
     qtbot.keyClick(field, Qt.Key.Key_Return)
     assert document(bottle).settings.area == 110.0
     says = bottle.panel.area.verdict
-    qtbot.waitUntil(lambda: says.text() == "+10.000 %, exactly on target", timeout=20_000)
+    qtbot.waitUntil(lambda: says.text() == "+10.000 %, exactly on target")
     assert bottle.panel.area.target.slider.value() == PERCENT.step_of(110.0)
     assert bottle.session.gestures.history.next_undo_name == "Change area"
     bottle.panel.area.target.reset_button.click()
@@ -444,7 +444,7 @@ def test_volume_section_keeps_a_volume_or_says_the_reason_why_not(qtbot, bottle)
     assert document(bottle).settings.volume == 100.0
     volume.target.field.setValue(95.0)
     assert document(bottle).settings.volume == 95.0
-    qtbot.waitUntil(lambda: volume.change == "−5.00 %", timeout=20_000)
+    qtbot.waitUntil(lambda: volume.change == "−5.00 %")
     choose(bottle, "paper")
     assert not volume.keep.isEnabled()
     assert "Paper" in volume.disabled_note.text()

@@ -109,7 +109,7 @@ def test_scene_picture_has_the_stripes_of_what_is_painted_where_the_view_has_the
     """Also in a picture of another size."""
     view = still.canvas.viewport
     still.display_options.overlay.choose_measure(Measure.AREA)
-    qtbot.waitUntil(lambda: still.display_options.overlay.reading.values is not None, timeout=20_000)
+    qtbot.waitUntil(lambda: still.display_options.overlay.reading.values is not None)
     seen = scene_picture(view, view.size(), transparent=True)
     for times in (2.0, 0.5):
         size = view.size() * times

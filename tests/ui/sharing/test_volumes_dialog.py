@@ -25,7 +25,7 @@ def sample(qtbot, measured_at_once, new_bottle):
     window = new_bottle
     window.choose_unit(Unit.CENTIMETRE)
     window.actions_.simulate.volumes.trigger()
-    qtbot.waitUntil(lambda: volume(window) in text(window), timeout=20_000)
+    qtbot.waitUntil(lambda: volume(window) in text(window))
     yield window
     window.reports.volumes.close()
 
@@ -56,6 +56,6 @@ def test_volumes_dialog_follows_the_shape_and_the_unit(qtbot, sample):
     sample.session.handles.move_by(MOTIONS["TWIST"], "60", 0)
     idle(qtbot, sample)
     assert volume(sample) != rest
-    qtbot.waitUntil(lambda: volume(sample) in text(sample), timeout=20_000)
+    qtbot.waitUntil(lambda: volume(sample) in text(sample))
     sample.panel.area.unit.chosen.emit(Unit.MILLIMETRE)
     qtbot.waitUntil(lambda: volume(sample, "mm³") in text(sample))

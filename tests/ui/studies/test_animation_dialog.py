@@ -98,7 +98,7 @@ def test_animation_dialog_writes_nothing_when_cancelled(qtbot, dialog, answer, t
     before = sorted(tmp_path.iterdir())
     answer(tmp_path / "a.glb")
     click(dialog.run.start)
-    qtbot.waitUntil(lambda: dialog.run.command.is_running, timeout=10_000)
+    qtbot.waitUntil(lambda: dialog.run.command.is_running)
     click(dialog.run.cancel)
     assert not dialog.run.is_running
     assert sorted(tmp_path.iterdir()) == before

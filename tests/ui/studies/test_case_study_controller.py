@@ -165,7 +165,7 @@ def test_case_study_controller_stops_at_the_next_case_and_goes_on(qtbot, bar, di
     ended.append(1)
     command.failed.emit("Interrupted.")
     assert "the finished cases are kept" in panel.message.text()
-    qtbot.waitUntil(panel.go_on.isVisible, timeout=10_000)
+    qtbot.waitUntil(panel.go_on.isVisible)
     assert not panel.stop.isVisible()
     click(panel.go_on)
     assert started == [started[0]] * 2, "the same command goes on"
@@ -184,7 +184,7 @@ def test_case_study_controller_runs_stops_and_continues_a_study(qtbot, bar, dial
     assert panel.stop.text() == "Stop now"
     qtbot.waitUntil(lambda: not cases.run.is_running, timeout=180_000)
     assert "the finished cases are kept" in panel.message.text()
-    qtbot.waitUntil(panel.go_on.isVisible, timeout=10_000)
+    qtbot.waitUntil(panel.go_on.isVisible)
     assert not panel.stop.isVisible()
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*.case")}
     assert 1 <= len(before) < MANY
@@ -216,7 +216,7 @@ def results(qtbot, bar, studied):
     """The panel on the finished study."""
     cases = bar.case_studies
     cases.open_study(studied)
-    qtbot.waitUntil(lambda: finished(bar, CASES), timeout=10_000)
+    qtbot.waitUntil(lambda: finished(bar, CASES))
     qtbot.waitUntil(lambda: cases.panel.table.width() > 200)
     return cases.panel
 
@@ -331,11 +331,11 @@ def test_folder_watch_follows_a_study_that_runs_elsewhere_and_never_locks_it(qtb
             row = base.execute("select * from cases limit 1").fetchone()
             base.execute("delete from cases where key = ?", row[:1])
             base.commit()
-            qtbot.waitUntil(lambda: f"{CASES - 1} of {CASES} done" in results.message.text(), timeout=10_000)
+            qtbot.waitUntil(lambda: f"{CASES - 1} of {CASES} done" in results.message.text())
             failed = (*row[:2], "failed", "It diverged in step 2.", None, "{}")
             base.execute(f"insert into cases values ({','.join('?' * len(row))})", failed)
             base.commit()
-            qtbot.waitUntil(lambda: "1 failed" in results.message.text(), timeout=10_000)
+            qtbot.waitUntil(lambda: "1 failed" in results.message.text())
             [place] = [k for k, each in enumerate(results.model.rows) if each.status == "failed"]
             assert results.model.columns[-1].texts[place] == "It diverged in step 2."
             assert len(results.scatter.view.chart().dots.crosses) == 1
@@ -343,7 +343,7 @@ def test_folder_watch_follows_a_study_that_runs_elsewhere_and_never_locks_it(qtb
             base.commit()
     finally:
         store.close()
-    qtbot.waitUntil(lambda: "failed" not in results.message.text(), timeout=10_000)
+    qtbot.waitUntil(lambda: "failed" not in results.message.text())
 
 
 def test_case_study_controller_says_why_a_case_failed_in_place_of_a_shape(qtbot, bar, results):
@@ -372,7 +372,7 @@ def failed(qtbot, bar, results, studied):
         base.execute(told, ("failed", "It diverged.", key))
         base.commit()
     bar.case_studies.open_study(studied)  # or it would seem to be run elsewhere just now
-    qtbot.waitUntil(results.retry.isVisible, timeout=10_000)
+    qtbot.waitUntil(results.retry.isVisible)
     yield key
     with closing(sqlite3.connect(studied / DATABASE_NAME)) as base:
         base.execute(told, ("done", "", key))

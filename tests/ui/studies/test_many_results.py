@@ -154,7 +154,7 @@ def test_folder_watch_reads_the_database_elsewhere_than_on_the_ui_thread(qtbot, 
 
     monkeypatch.setattr(case_study_controller, "read_results", read)
     watch = FolderWatch(None)
-    with qtbot.waitSignal(watch.results_read, timeout=10_000) as found:
+    with qtbot.waitSignal(watch.results_read, timeout=60_000) as found:
         watch.watch_folder(folders[FEW])
     watch.close()
     assert len(found.args[0].table.rows) == FEW
@@ -171,7 +171,7 @@ def test_folder_watch_leaves_a_folder_alone_while_nobody_sees_its_results(qtbot,
     write_study(study, 5)
     window.case_studies.open_study(study)
     panel, dock = window.case_studies.panel, window.docks["study"]
-    qtbot.waitUntil(lambda: len(panel.model.rows) == 5, timeout=10_000)
+    qtbot.waitUntil(lambda: len(panel.model.rows) == 5)
     dock.hide()
     shutil.rmtree(study)
     write_study(study, 7)
@@ -179,4 +179,4 @@ def test_folder_watch_leaves_a_folder_alone_while_nobody_sees_its_results(qtbot,
     work_off()
     assert len(panel.model.rows) == 5
     dock.show()
-    qtbot.waitUntil(lambda: len(panel.model.rows) == 7, timeout=10_000)
+    qtbot.waitUntil(lambda: len(panel.model.rows) == 7)

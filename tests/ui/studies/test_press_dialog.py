@@ -349,7 +349,7 @@ def test_press_dialog_leaves_nothing_after_cancel(qtbot, ball):
 
 def test_press_dialog_ends_the_run_when_closed(qtbot, window, ball):
     click(ball.run.start)
-    qtbot.waitUntil(lambda: ball.run.command.is_running, timeout=10_000)
+    qtbot.waitUntil(lambda: ball.run.command.is_running)
     scratch = ball.run.scratch_folder
     qtbot.keyClick(ball, Qt.Key.Key_Escape)
     assert window.runs.dialogs == {}

@@ -176,7 +176,7 @@ def test_sweep_dialog_sweeps_the_motion_of_obstacles_where_nothing_is_painted(qt
 
 def test_sweep_dialog_leaves_nothing_after_cancel(qtbot, dialog):
     click(dialog.run.start)
-    qtbot.waitUntil(lambda: dialog.run.command.is_running, timeout=10_000)
+    qtbot.waitUntil(lambda: dialog.run.command.is_running)
     scratch = dialog.run.scratch_folder
     assert scratch.exists()
     click(dialog.run.cancel)
@@ -216,7 +216,7 @@ def test_run_controller_sweep_opens_no_dialog_for_what_is_not_painted(qtbot, win
 
 def test_sweep_dialog_is_closed_by_esc_and_by_the_window_and_its_work_ends(qtbot, bar, dialog):
     click(dialog.run.start)
-    qtbot.waitUntil(lambda: dialog.run.command.is_running, timeout=10_000)
+    qtbot.waitUntil(lambda: dialog.run.command.is_running)
     number, scratch = dialog.run.command.process_id, dialog.run.scratch_folder
     qtbot.keyClick(dialog, Qt.Key.Key_Escape)
     assert bar.runs.dialogs == {}

@@ -56,7 +56,7 @@ def test_motion_field_twist_is_the_same_as_the_ring_dragged_and_the_matrix(qtbot
     typed(qtbot, bottle, "TWIST", "60deg")
     by_typing = pose(bottle)
     assert bottle.session.gestures.history.next_undo_name == "Twist +60° (Handle 1)"
-    qtbot.waitUntil(arrives, timeout=20_000)
+    qtbot.waitUntil(arrives)
     bottle.session.gestures.undo()
     assert not arrives()
     frame = bottle.canvas.gizmo.frame
@@ -69,7 +69,7 @@ def test_motion_field_twist_is_the_same_as_the_ring_dragged_and_the_matrix(qtbot
     by_hand = pose(bottle)
     np.testing.assert_allclose(by_typing, by_hand, rtol=0, atol=1e-9)
     np.testing.assert_allclose(by_typing, by_matrix, rtol=0, atol=1e-9)
-    qtbot.waitUntil(arrives, timeout=20_000)
+    qtbot.waitUntil(arrives)
 
 
 @pytest.mark.parametrize("axis", ["front", "side", "top", "-front", "-side", "-top"])

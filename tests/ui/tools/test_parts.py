@@ -106,7 +106,7 @@ def test_region_target_field_holds_the_area_of_a_region(qtbot, bottle):
     details.field.setValue(90.0)
     assert document(bottle).regions[0].area == 90.0
     reading = bottle.panel.regions.list.rows[0].reading
-    qtbot.waitUntil(lambda: reading.text() == "90.00 %, kept", timeout=20_000)
+    qtbot.waitUntil(lambda: reading.text() == "90.00 %, kept")
     bottle.session.settings.change(method="paper")
     assert not details.box.isEnabled()
     assert not bottle.panel.regions.note.isHidden()
@@ -152,7 +152,7 @@ def test_gizmo_gives_each_of_two_handles_its_pose(qtbot, two):
         U = two.session.store.state.frame.U
         return np.allclose(U[held[1]], grip[held[1]] + second[:3, 3])
 
-    qtbot.waitUntil(there, timeout=20_000)
+    qtbot.waitUntil(there)
     assert np.allclose(two.session.store.state.frame.U[held[0]], grip[held[0]])
 
 
