@@ -154,7 +154,8 @@ class ObstaclePairs:
         An obstacle can touch a triangle whose vertices are all far.
         """
         room = _CARRIED * float(np.linalg.norm(move))
-        near = np.flatnonzero(self._low < self._reach + room)
+        has_several = (self._pairs < len(U)).sum(axis=1) > 1  # a vertex alone has been pushed
+        near = np.flatnonzero(has_several & (self._low < self._reach + room))
         ids, X = self._pairs[near], self._with(U, self.points)
         w = gap_springs(X, ids, self._edges[near], np.full(len(near), np.inf), 0.0, self.obstacle.radius)[1]
         on_surface = np.where(ids < len(U), w, 0.0)
