@@ -149,7 +149,7 @@ class ObstaclePairs:
         return self._with_near_pairs_pushed(U, W + missing[:, None] * outwards, move)
 
     def _with_near_pairs_pushed(self, U: np.ndarray, W: np.ndarray, move: np.ndarray) -> np.ndarray:
-        """Positions ``W`` (n, 3), with edges and triangles near the obstacle pushed ahead, too.
+        """Push edges and triangles near the obstacle ahead of it; ``W`` (n, 3) is moved.
 
         An obstacle can touch a triangle whose vertices are all far.
         """
