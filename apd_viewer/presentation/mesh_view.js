@@ -279,14 +279,19 @@ export function createMeshView(container, {
 
   // Drawing
 
-  const PLACE = `
+  const VERTEX = `#version 300 es
     uniform mat4 view, lens; uniform vec4 shift; // centre and size, of the gizmo
-    in vec3 place, normal, color;`;
-  const SHADE = `
+    in vec3 place, normal, color; out vec3 p, n, c;
+    void main() {
+      vec4 q = view * vec4(shift.xyz + shift.w * place, 1.0);
+      p = q.xyz; n = mat3(view) * normal; c = color; gl_Position = lens * q;
+    }`;
+  const FRAGMENT = `#version 300 es
     precision highp float;
     uniform int kind; uniform vec3 heart; // 0 mesh, 1 ghost, 2 gizmo, 3 ring; centre of the gizmo
-    vec4 shade(vec3 p, vec3 n, vec3 c, bool isFront) {
-      vec3 eye = normalize(-p), m = normalize(isFront || kind > 1 ? n : -n);
+    in vec3 p, n, c; out vec4 pixel;
+    void main() {
+      vec3 eye = normalize(-p), m = normalize(gl_FrontFacing || kind > 1 ? n : -n);
       vec3 key = normalize(vec3(-0.35, 0.45, 1.0)), fill = normalize(vec3(0.7, -0.35, 0.5));
       float light = 0.36 + 0.56 * max(dot(m, key), 0.0) + 0.16 * max(dot(m, fill), 0.0);
       float shine = 0.10 * pow(max(dot(m, normalize(key + eye)), 0.0), 32.0);
@@ -294,35 +299,24 @@ export function createMeshView(container, {
       if (kind == 1) { light = 1.0; shine = 0.0; }
       if (kind > 1) { light = 0.72 + 0.28 * max(dot(m, key), 0.0); shine = 0.0; }
       if (kind == 3 && dot(p - heart, heart) > 0.0) alpha = 0.22;
-      return vec4(min(c * light + shine, 1.0) * alpha, alpha);
+      pixel = vec4(min(c * light + shine, 1.0) * alpha, alpha);
     }`;
-  const BY_PIXEL = [
-    `${PLACE} out vec3 p, n, c;
-    void main() {
-      vec4 q = view * vec4(shift.xyz + shift.w * place, 1.0);
-      p = q.xyz; n = mat3(view) * normal; c = color; gl_Position = lens * q;
-    }`,
-    `${SHADE} in vec3 p, n, c; out vec4 pixel;
-    void main() { pixel = shade(p, n, c, gl_FrontFacing); }`,
-  ];
-  const BY_VERTEX = [ // cheaper without a graphics processor, where triangles are hardly larger than pixels
-    `${SHADE} ${PLACE} out vec4 shaded;
-    void main() {
-      vec4 q = view * vec4(shift.xyz + shift.w * place, 1.0);
-      vec3 n = mat3(view) * normal;
-      shaded = shade(q.xyz, n, color, dot(n, q.xyz) < 0.0); gl_Position = lens * q;
-    }`,
-    `precision mediump float; in vec4 shaded; out vec4 pixel;
-    void main() { pixel = shaded; }`,
-  ];
   const GREY = [205, 203, 198];
   const STILL = 400; // milliseconds after which a view is at rest
-  let byPixel, byVertex, mesh, double, tool, isFilled, pending = 0, fence = null, still = 0, later = 0;
+  let program, where, mesh, double, tool, isFilled, pending = 0, fence = null, still = 0, later = 0;
 
   function begin() { // again after the context was lost
     fence = null;
-    byPixel = programOf(BY_PIXEL);
-    byVertex = programOf(BY_VERTEX);
+    program = gl.createProgram();
+    for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, source);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+    }
+    ["place", "normal", "color"].forEach((name, k) => gl.bindAttribLocation(program, k, name));
+    gl.linkProgram(program);
+    where = Object.fromEntries(["view", "lens", "shift", "kind", "heart"].map((name) => [name, gl.getUniformLocation(program, name)]));
     mesh = buffers(triangles);
     double = buffers(triangles);
     const shape = gizmoShape();
@@ -331,20 +325,6 @@ export function createMeshView(container, {
     isFilled = false;
     if (ghost) fill(double, ghost, normalsOf(ghost));
     setColors(colors);
-  }
-
-  function programOf(sources) {
-    const program = gl.createProgram();
-    [gl.VERTEX_SHADER, gl.FRAGMENT_SHADER].forEach((kind, k) => {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, `#version 300 es\n${sources[k]}`);
-      gl.compileShader(shader);
-      gl.attachShader(program, shader);
-    });
-    ["place", "normal", "color"].forEach((name, k) => gl.bindAttribLocation(program, k, name));
-    gl.linkProgram(program);
-    const names = ["view", "lens", "shift", "kind", "heart"];
-    return { program, where: Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(program, name)])) };
   }
 
   function buffers(corners) {
@@ -445,7 +425,6 @@ export function createMeshView(container, {
     gl.depthFunc(gl.LEQUAL);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    const { program, where } = fineness < 1 ? byVertex : byPixel;
     gl.useProgram(program);
     gl.uniformMatrix4fv(where.view, false, view);
     gl.uniformMatrix4fv(where.lens, false, lens);
