@@ -46,6 +46,7 @@ class TypedValues:
 
 _IDS = re.compile(r"[\d\s,;–-]+")
 _ID = re.compile(r"(\d+)(?:\s*[–-]\s*(\d+))?")
+_MOST_DIGITS = 18  # of an ID, leading zeros included
 _COMPARED = re.compile(r"<=|>=|≤|≥|<|>")
 _HOLDS = {"<": np.less, ">": np.greater, "<=": np.less_equal, ">=": np.greater_equal}
 _HOLDS |= {"≤": np.less_equal, "≥": np.greater_equal}
@@ -87,6 +88,10 @@ def _vertices_by_ids(text: str, n: int) -> np.ndarray:
     if re.search(r"[–-]", rest):
         raise InputError(tr("“{text}” has an incomplete range; {how}.").format(text=text, how=_HOW))
     for first, last in _ID.findall(text):
+        if longest := next((word for word in (first, last) if len(word) > _MOST_DIGITS), ""):
+            raise InputError(
+                tr("{number}… is too long for the ID of a vertex.").format(number=longest[:_MOST_DIGITS])
+            )
         low, high = int(first), int(last or first)
         if max(low, high) >= n:
             sentence = tr("There is no vertex {vertex:,}; IDs run from 0 to {last:,}.")

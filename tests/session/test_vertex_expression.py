@@ -86,6 +86,8 @@ def test_parse_vertices_takes_lengths_with_units():
     [
         ("", "Nothing was entered"),
         (f"{N}", f"run from 0 to {N - 1}"),
+        (30_000 * "9", "too long"),
+        ("1-" + 30_000 * "0", "too long"),
         ("5-3", "backwards"),
         ("3-", "incomplete range"),
         ("z", "not a condition"),
