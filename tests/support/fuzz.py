@@ -8,6 +8,7 @@ failure and not the end. Each failure is printed with what makes the same file a
     python tests/support/fuzz.py --one index seed
 """
 
+import csv
 import json
 import logging
 import multiprocessing
@@ -52,8 +53,9 @@ NUMBER = re.compile(rb"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
 COUNT = re.compile(rb"(?m)(?<=^element vertex )\d+|(?<=^element face )\d+|(?<=^element camera )\d+")
 # Words of the interpreter, which say nothing to who has the file.
 FOREIGN = re.compile(
-    r"Traceback|Error|Exception|NoneType|dtype|numpy|ndarray|tuple|\bdict\b|\bstr\b|\bint\b|unpack|b'"
-    r"|subscript|iterable|argument|literal|codec|operand|broadcast|int64|buffer of|has no attribute '|convert"
+    r"Traceback|Error|Exception|NoneType|dtype|numpy|ndarray|tuple|\bdict\b|\bstr\b|\bint\b|b'"
+    r"|values to unpack|subscript|iterable|argument|literal|codec|operand|broadcast|int64"
+    r"|buffer of|has no attribute '|convert"
 )
 
 
@@ -280,7 +282,8 @@ def check_sentence(error):
     own = re.sub(r"“.*?”|is not valid: .*", "", said)  # without what it shows of the file
     assert not FOREIGN.search(own), f"not for people: {said!r}"
     cause = error.__cause__
-    assert isinstance(cause, ValueError | OSError | None), f"a reader raised {cause!r}"
+    expected = ValueError | OSError | csv.Error | struct.error | None
+    assert isinstance(cause, expected), f"a reader raised {cause!r}"
     if isinstance(cause, ValueError):
         *_, (frame, _) = traceback.walk_tb(cause.__traceback__)
         where = frame.f_code.co_filename

@@ -117,7 +117,9 @@ def read_point_cache(path: Path, mesh: Mesh) -> Iterator[np.ndarray]:
         kind, start, count, size = _cache_layout(content, path.suffix.lower())
         if len(content) < start + 12 * count * size:
             raise ValueError(tr("it ends too early"))
-    except (struct.error, ValueError) as error:
+    except struct.error as error:  # its words are for programmers
+        raise _damaged(path, ValueError(tr("it ends too early"))) from error
+    except ValueError as error:
         raise _damaged(path, error) from error
     if size != len(points):
         said = tr("{name} has {n:,} points, and {mesh} has {m:,}; open the mesh that it was written of.")

@@ -6,6 +6,7 @@ import struct
 import numpy as np
 import pytest
 from animated import animated
+from fuzz import check_sentence
 from gltf_scenes import GltfScene
 from mesh_contents import binary_stl, obj
 from meshes import box, sphere
@@ -170,7 +171,8 @@ def test_read_point_cache_refuses_another_mesh_and_damaged_files(tmp_path):
         with pytest.raises(InputError, match=r"42 points, and .* open the mesh that it was written of"):
             list(read_point_cache(path, Mesh(*box(1, 1, 1))))
         content = path.read_bytes()
-        for damaged in (content[:-1], content[:7], bytes(len(content))):
+        for damaged in (content[:-1], content[:7], b"", bytes(len(content))):
             path.write_bytes(damaged)
-            with pytest.raises(InputError, match="is not a valid"):
+            with pytest.raises(InputError, match="is not a valid") as refused:
                 list(read_point_cache(path, Mesh(V, F)))
+            check_sentence(refused.value)
