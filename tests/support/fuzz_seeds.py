@@ -2,14 +2,17 @@
 
 import io
 import json
+import struct
 import tempfile
 import zipfile
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import textured_files
 from animated import animated
+from fuzz_vtk_seeds import legacy_contents, xml_contents
 from gltf_scenes import GltfScene
 from mesh_contents import FILES
 from painted_meshes import MESH, painted, write_bar
@@ -18,6 +21,8 @@ from PIL import Image
 from apd_viewer.cases.case_file import CaseResult, case_to_bytes
 from apd_viewer.files.animations.animation_files import write_animation
 from apd_viewer.files.selections.selection_files import SELECTION_FORMATS, write_selection
+from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.handles_and_regions import NamedRegion
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.model.state import initial_state
@@ -40,6 +45,16 @@ MODEL = f"""<?xml version="1.0" encoding="UTF-8"?>
 <item objectid="2" transform="1 0 0 0 1 0 0 0 1 10 0 0"/></build></model>"""
 TYPES = """<?xml version="1.0"?><Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
 <Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>"""
+
+
+RELATIONSHIPS = """<?xml version="1.0"?><Relationships
+xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="r"
+Target="/3D/other.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"""
+PACKAGES = (
+    {"3D/3dmodel.model": MODEL},
+    {"_rels/.rels": RELATIONSHIPS, "3D/other.model": MODEL.replace("millimeter", "inch")},
+    {"3D/3dmodel.model": MODEL.replace("<model unit", '<model xmlns:q="urn:q" requiredextensions="q" unit')},
+)
 
 
 def packed(members):
@@ -66,14 +81,51 @@ def written(name, write):
 
 def mesh_contents(suffix):
     if suffix == ".3mf":
-        return [packed({"[Content_Types].xml": TYPES, "3D/3dmodel.model": MODEL})]
-    found = [content for name, content in FILES.items() if name.endswith(suffix)]
+        return [packed({"[Content_Types].xml": TYPES, **members}) for members in PACKAGES]
+    if suffix == ".vtk":
+        return legacy_contents()
+    if suffix in (".vtp", ".vtu"):
+        return xml_contents(suffix)
+    found = [*ply_contents(), *wall_contents()] if suffix == ".ply" else []
+    found += [content for name, content in FILES.items() if name.endswith(suffix)]
     with tempfile.TemporaryDirectory() as folder:
         if suffix in (".obj", ".ply", ".glb", ".gltf"):
             found.append(getattr(textured_files, suffix[1:])(Path(folder)).read_bytes())
         if suffix in (".glb", ".gltf"):
-            found.append(scene().write(Path(folder, f"scene{suffix}")).read_bytes())
+            for made in (scene(), colored_scene()):
+                found.append(made.write(Path(folder, f"scene{suffix}")).read_bytes())
     return found
+
+
+def ply_contents():
+    """PLY with colours of both kinds, normals, lists at vertices and corners, and integer places."""
+    V, F = MESH.V, MESH.F.tolist()
+    faces = np.zeros(len(F), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+    faces["count"], faces["corners"] = 3, F
+    found = []
+    for kinds, columns in (
+        ("float red float green float blue", np.full((len(V), 3), 0.5, "<f4")),
+        ("uchar red uchar green uchar blue uchar alpha", np.full((len(V), 4), 200, "u1")),
+        ("float nx float ny float nz", V.astype("<f4")),
+        ("list uchar int near", np.tile(np.uint8([1, 4, 0, 0, 0]), (len(V), 1))),
+    ):
+        words = kinds.split()
+        names = (
+            [f"property {kinds}"]
+            if words[0] == "list"
+            else [f"property {kind} {name}" for kind, name in zip(words[::2], words[1::2], strict=True)]
+        )
+        head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(V)}"]
+        head += [*(f"property float {axis}" for axis in "xyz"), *names, f"element face {len(F)}"]
+        head += ["property list uchar int vertex_indices", "end_header", ""]
+        rows = [v.tobytes() + c.tobytes() for v, c in zip(V.astype("<f4"), columns, strict=True)]
+        found.append("\n".join(head).encode() + b"".join(rows) + faces.tobytes())
+    whole = "".join(f"{x} {y} {z}\n" for x, y, z in np.rint(9 * V).astype(int).tolist())
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(V)}\n"
+    head += "".join(f"property int {axis}\n" for axis in "xyz") + f"element face {len(F)}\n"
+    head += "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
+    corners = "".join(f"3 {a} {b} {c} 6 0 0 1 0 0 1\n" for a, b, c in F)
+    return [*found, (head + whole + corners).encode()]
 
 
 def texture_files():
@@ -100,7 +152,25 @@ def scene():
     where = {"TRANSLATION": found.accessor([[0, 0, 0], [9, 0, 0]]), "SCALE": found.accessor(np.ones((2, 3)))}
     instances = {"EXT_mesh_gpu_instancing": {"attributes": where}}
     found.node(mesh=found.mesh(V, [0, 1, 2, 3, 4], mode=5), extensions=instances)
+    scaled = found.accessor(np.rint(127 * V), "i1", normalized=True)
+    base = found.sparse(len(V), [2], [[0.0, 0.0, 3.0]], base=V)
+    bytes_ = {"COLOR_0": found.accessor(np.full((len(V), 3), 90), "u1", normalized=True), "NORMAL": scaled}
+    thickness = {"_THICKNESS": found.accessor(np.full(len(V), 0.3))}
+    found.node(mesh=found.mesh(base, [0, 1, 2, 3, 4], mode=6, attributes=bytes_ | thickness))
     found.document["extensionsUsed"] = ["EXT_mesh_gpu_instancing"]
+    return found
+
+
+def colored_scene():
+    """One mesh with colours, a thickness and three levels of sparse accessors."""
+    found, n = GltfScene(), len(MESH.V)
+    attributes = {
+        "COLOR_0": found.accessor(np.full((n, 4), 90), "u1", normalized=True),
+        "_THICKNESS": found.sparse(n, [2], [0.3], width=1, base=np.full(n, 0.2)),
+        "NORMAL": found.accessor(np.rint(127 * MESH.V), "i1", normalized=True),
+    }
+    position = found.sparse(n, [0], MESH.V[:1], base=MESH.V)
+    found.node(mesh=found.mesh(position, MESH.F, attributes=attributes))
     return found
 
 
@@ -114,12 +184,33 @@ def number_contents():
     return [sel, b"1 0 0 5\n0 1 0 0\n0 0 1 -2.5\n0 0 0 1\n"]
 
 
+def weighted_scene(interpolation, keys):
+    """A mesh with a shape, whose weight has keys of a kind."""
+    found = GltfScene()
+    target = {"POSITION": found.accessor(0.1 * MESH.V)}
+    found.node(mesh=found.mesh(MESH.V, MESH.F, [0.0], targets=[target]))
+    sampler = {"input": found.accessor([0.0, 1.0, 2.0]), "output": found.accessor(keys)}
+    channel = {"sampler": 0, "target": {"node": 0, "path": "weights"}}
+    found.document["animations"] = [
+        {"samplers": [{**sampler, "interpolation": interpolation}], "channels": [channel, {"sampler": 0}]}
+    ]
+    return written("a.glb", found.write)
+
+
 def animation_contents(suffix):
+    more = []
+    if suffix == ".glb":
+        more = [
+            weighted_scene("STEP", [0, 1, 0.5]),
+            weighted_scene("CUBICSPLINE", [0, 0, 0, 0, 1, 0, 0, 0.5, 0]),
+        ]
+    if suffix == ".mdd":
+        more = [struct.pack(">2i2f", 2, len(MESH.V), 0, 1) + np.tile(MESH.V, (2, 1)).astype(">f4").tobytes()]
     with tempfile.TemporaryDirectory() as folder:
         animation, _ = animated(MESH, Path(folder, "shapes"))
         path = Path(folder, f"a{suffix}")
         write_animation(animation, path)
-        return [path.read_bytes()]
+        return [path.read_bytes(), *more]
 
 
 SERIES = b"""<?xml version="1.0"?><VTKFile type="Collection"><Collection>
@@ -134,6 +225,20 @@ bar.off,,bend 20deg about x,,,,,,auto,,,,
 PLANS = [
     PLAN,
     b"session;to;seed\nbar.apd;50%;3\n",
+    b"session,unit\nbar.apd,mm\n",
+    b"mesh,session\nbar.off,bar.apd\n",
+    b"mesh,selection,motion,unit,thickness\nbar.off,bar.sel,twist 4deg,,0.3mm\nbar.off,bar.sel,,,\n",
+    b"mesh,selection,motion,contact,yield_radius,pressure,young\nbar.off,bar.sel,twist 4,yes,0.1,5mbar,\n",
+    b"mesh,selection,motion,contact,gas,young\nbar.off,bar.sel,twist 4,no,1,2,9,9\n",
+    b"mesh,mesh\na,b\n",
+    b"motion\na\n",
+    b"mesh,selection,motion,unit,thickness,method,contact\nbar.off,bar.sel,twist 4,mm,-1mm,arap,yes\n",
+    b"mesh,selection,motion,unit,volume,method,contact\nbar.off,bar.sel,twist 4,mm,2ml,exact,yes\n",
+    b"mesh,selection,motion,unit,contact,method,pressure,young\nbar.off,bar.sel,twist 4,mm,yes,wall,1,2\n",
+    b"mesh,selection,motion,unit,contact,method,pressure\nbar.off,bar.sel,twist 4,mm,yes,wall,5mbar\n",
+    b"mesh,selection,motion,thickness,contact\nbar.off,bar.sel,twist 4,3mm,yes\na,b,twist 4,3,auto\n",
+    b"session,contact,motion\nbar.apd,auto,twist 4\n",
+    b'mesh,selection,motion\nbar.off,"bar.sel,twist 4\n',
     b"mesh\tselection\tmotion\tpressure\tgas\nbar.off\tbar.sel\tscale 2\t1\t\n",
 ]
 WALLS = [
@@ -204,7 +309,14 @@ def case_contents():
 
 def session_contents():
     """Sessions as stored by earlier versions, and one with all that a session can hold."""
-    return [*(path.read_bytes() for path in sorted(STORED.glob("*.apd"))), rich_session()]
+    welded = initial_state(MESH.welded_to(np.arange(len(MESH.V))))
+    aimed = initial_state(MESH)
+    aimed = aimed.updated(replace(aimed.document, target_shape=TargetShape(Mesh(1.1 * MESH.V, MESH.F))))
+    return [
+        *(path.read_bytes() for path in sorted(STORED.glob("*.apd"))),
+        rich_session(),
+        *(written("a.apd", partial(save_session, state=state, view=View())) for state in (welded, aimed)),
+    ]
 
 
 def rich_session():

@@ -10,6 +10,7 @@ import zlib
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import fuzz_seeds as seeds
@@ -18,14 +19,22 @@ from fuzz import ANY, other_json
 from mesh_contents import FILES, ply
 from painted_meshes import MESH
 
-from apd_viewer.cases.case_file import case_from_bytes, case_to_bytes
-from apd_viewer.cases.design import GRID, design_table, parse_variable
+from apd_viewer.cases.case_file import (
+    case_from_bytes,
+    case_path,
+    case_sizes,
+    case_to_bytes,
+    read_case,
+    write_case,
+)
+from apd_viewer.cases.design import DESIGNS, design_table, parse_variable
 from apd_viewer.cases.plan import parse_cell, read_plan
 from apd_viewer.cases.plan_columns import COLUMNS
 from apd_viewer.cases.study_case import InputFiles
 from apd_viewer.errors import InputError
 from apd_viewer.files.animations.animation_reading import open_animation, read_point_cache
 from apd_viewer.files.formats.texture_images import read_image, read_picture
+from apd_viewer.files.known_file import KnownFile
 from apd_viewer.files.mesh_formats import MESH_FORMATS, WriteSupport
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import read_mesh
@@ -36,21 +45,37 @@ from apd_viewer.files.selections.selection_files import (
     write_selection,
 )
 from apd_viewer.files.selections.survey_formats import read_region, read_transform
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.posing.motion import MOTION_KINDS
 from apd_viewer.session.posing.motion_text import motion_steps, parse_motion
 from apd_viewer.session.quantities.expressions import parse_angle, parse_length, parse_number, parse_volume
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.volume_target import parse_volume_target
-from apd_viewer.session.quantities.wall import WallText, typed_mass
+from apd_viewer.session.quantities.wall import (
+    WallText,
+    parse_wall,
+    press_method,
+    typed_mass,
+    with_part_thickness,
+)
 from apd_viewer.session.quantities.wall_distribution import read_distribution
 from apd_viewer.session.storage.part_json import read_obstacles
-from apd_viewer.session.storage.session_file import open_session_file, save_session
-from apd_viewer.session.typed_values import parse_point, parse_vector, parse_vertices
+from apd_viewer.session.storage.session_file import (
+    has_mesh,
+    open_session,
+    open_session_file,
+    save_if_unchanged,
+    save_session,
+)
+from apd_viewer.session.typed_values import TypedValues
 
 FOLDER = Path(tempfile.mkdtemp(prefix="apd-fuzz-"))
 STATE = initial_state(MESH)
 MM = Unit.MILLIMETRE
+STORE = SimpleNamespace(required_state=lambda: STATE, unit=MM)
+ROW = {"mesh": "a", "selection": "b", "motion": "push {push}; twist 1deg"}
+PART = MESH.V[:, 2] > 0.0
 
 
 class Target(NamedTuple):
@@ -110,10 +135,16 @@ def _mesh(content, suffix):
     mesh = read_mesh(FOLDER / f"mesh{suffix}", content)
     assert np.isfinite(mesh.V).all(), "positions that are no numbers"
     if MESH_FORMATS[suffix].writing is not WriteSupport.NONE:
-        save_mesh(mesh, 2.0 * mesh.V, FOLDER / f"written{suffix}")
-        origin = mesh.origin
-        each_of(lambda: origin.extras, lambda: origin.colors)
-        each_of(lambda: origin.normals(mesh), lambda: origin.texture(mesh))
+        each_of(
+            lambda: save_mesh(mesh, 2.0 * mesh.V, FOLDER / f"written{suffix}"),
+            lambda: save_mesh(Mesh(mesh.V, mesh.F), mesh.V, FOLDER / f"plain{suffix}"),
+        )
+        assert all(mesh.origin.extras)
+        assert mesh.colors is None or mesh.colors.shape == mesh.V.shape
+        texture, normals = mesh.texture[0], mesh.corner_normals
+        assert texture is None or texture.image.ndim == 3
+        assert normals is None or np.isfinite(normals.local).all()
+        each_of(lambda: read_distribution(written(f"mesh{suffix}", content), mesh, MM, "0.1mm..2mm"))
 
 
 def _mesh_seeds(suffix):
@@ -178,8 +209,11 @@ def _plan_seeds():
 
 
 def _session(content):
-    opened = open_session_file(written("session.apd", content))
+    path = written("session.apd", content)
+    opened = open_session_file(path)
     save_session(FOLDER / "saved.apd", opened.state, opened.view, True, True, timeline=opened.timeline)
+    save_if_unchanged(KnownFile(path), path, *open_session(path))
+    assert has_mesh(path, opened.state.document.mesh)
 
 
 def _case(content):
@@ -188,7 +222,13 @@ def _case(content):
     if len(content) >= 29:
         text = min(int.from_bytes(content[13:21], "little"), len(body))
         content = content[:9] + head.pack(zlib.crc32(body), text, len(body) - text) + body
-    case_to_bytes(case_from_bytes(content))
+    write_case(case_path(FOLDER, "ab12"), content)
+    assert case_sizes(FOLDER) == {"ab12": len(content)}
+    try:
+        case_to_bytes(read_case(FOLDER, "ab12", with_shape=True))
+    except InputError as error:
+        raise ValueError from error
+    case_from_bytes(content)
 
 
 # ---- texts
@@ -219,15 +259,30 @@ def _motion(content):
 
 def _typed(content):
     text = content.decode(errors="replace")
+    wall, said = WallText.from_field_texts(*text.split("|")), TypedValues(STORE)
     each_of(
-        lambda: parse_vertices(text, STATE, MM),
-        lambda: parse_point(text, STATE, MM),
-        lambda: parse_vector(text, STATE),
+        lambda: said.parse_vertices(text),
+        lambda: said.parse_fraction_or_length(text, 2.0),
+        lambda: said.parse_point(text),
+        lambda: said.parse_vector(text),
         lambda: parse_volume_target(text, MM),
-        lambda: design_table({"mesh": "a"}, [parse_variable(text)], GRID, 2, 0),
-        lambda: typed_mass(WallText.from_field_texts(*text.split("|")), 9.0, MM),
+        *(
+            partial(
+                lambda design: design_table(ROW, list(map(parse_variable, text.split("&"))), design, 4, 0),
+                each,
+            )
+            for each in DESIGNS
+        ),
+        lambda: typed_mass(wall, 9.0, MM),
+        lambda: typed_mass(wall, 9.0, MM, 2.0),
+        lambda: typed_mass(wall, 9.0, Unit.NONE),
+        lambda: press_method(parse_wall(wall, MM), None, "exact"),
+        lambda: with_part_thickness(wall, text, PART, MESH, MM),
         *(partial(parse_cell, name, text) for name in COLUMNS),
     )
+    assert wall.text(MM) or not any(map(str.strip, wall.field_texts[:3]))
+    for known in (wall.usable_density(), wall.contact_distance(MM)):
+        assert known is None or known > 0.0
 
 
 def _words(*texts):
@@ -339,9 +394,25 @@ TARGETS |= {
             "y > 80% and x < 0 or -1 < z <= 1mm",
             "0, 0.5Y, 12mm",
             "120%",
-            "a=1..5mm:log",
-            "m=a,b",
-            "0.3mm|1.38|2 GPa|0.3||PET",
+            "push=1mm..5mm:log",
+            "push=1mm,2mm",
+            "push=1..5mm&steps=1..4&twist=0..90deg",
+            "method=exact,arap&push=5..1",
+            "0.3mm|1.38|2 GPa|0.3||pet-bottle",
+            "0.3|1.38 g/cm³|2|0.3|1mm|",
+            "0.3mm||||",
+            "|||||pet-film",
+            "0.2",
+            "20-10",
+            " ",
+            "20% < 80% < z",
+            "0mm|1.38|2 GPa",
+            "|1.38|2 GPa",
+            "0.3mm||2|0.38",
+            "5-",
+            "z > 0.5X",
+            "0.2 < x",
+            "1 < 2",
             "yes",
             "auto",
             "exact",

@@ -7,8 +7,8 @@ libFuzzer changes valid contents, and keeps those that reach something new in bu
 the next run goes on. Whatever is raised must be the reader's declared error, within 5 s and little memory.
 Else the content is kept in build/fuzz/found, and the run fails with the line that repeats it.
 
-Lines are counted afterwards by coverage.py, in another process that reads the whole corpus: of the modules of
-each reader, without those that run when they are imported.
+Lines are counted afterwards by coverage.py, in another process that reads the whole corpus: those inside
+functions, of the modules of each reader.
 """
 
 import hashlib
@@ -49,9 +49,19 @@ def limit_memory():
 
 def reading(target, content):
     """Seconds of the processor that a reading takes, and what it fails with; empty if it does not."""
+    # Not at the top: what is to be instrumented must not be imported before.
+    from fuzz import check_sentence
+
+    from apd_viewer.errors import InputError
+
     began = time.process_time()
     try:
         target.read(content)
+    except InputError as error:
+        try:
+            check_sentence(error)
+        except AssertionError as wrong:
+            return time.process_time() - began, "".join(traceback.format_exception(error)) + str(wrong)
     except target.error:
         pass
     except BaseException:
@@ -147,11 +157,14 @@ def fuzz_target(name, seconds, known):
 def count_lines(names):
     """Print the lines of each module that the corpora of the targets reach, as JSON."""
     import coverage
+
+    measured = coverage.Coverage(include=[f"{ROOT}/apd_viewer/*"], data_file=None)
+    measured.start()
     from fuzz_targets import TARGETS
 
+    measured.stop()
     modules = sorted({module for name in names for module in TARGETS[name].modules})
     files = {module: str(ROOT / "apd_viewer" / module) for module in modules}
-    measured = coverage.Coverage(include=list(files.values()), data_file=None)
     for name in names:
         TARGETS[name].seeds()  # some write what others refer to
         measured.start()

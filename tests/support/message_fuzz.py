@@ -14,6 +14,7 @@ import time
 from collections import Counter
 
 import numpy as np
+from fuzz import FOREIGN
 from meshes import sphere
 from solver_client import opening_arrays
 
@@ -22,8 +23,6 @@ from apd_viewer.commands.solver_service import SolverService
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 
-# Words of the interpreter, which say nothing to the other program.
-FOREIGN = re.compile(r"Traceback|NoneType|ndarray|subscript|unhashable|positional|broadcast|dimension")
 ODD_NUMBERS = b"-1", b"0", b"1e400", b"null", b"7", b'"x"', b"99999999999", b"true", b"[]", b"{}", b"0.5"
 
 
@@ -104,7 +103,8 @@ def complaint_of(content):
     found, sentence = answers_to(content)
     said = [message.head["message"] for message in found if message.head["op"] == "error"]
     inner = [message.head for message in found if message.head.get("kind") == "internal"]
-    foreign = [each for each in (*said, sentence) if FOREIGN.search(each)]
+    own = [each.replace("dtype", "") for each in (*said, sentence)]  # without a key of heads
+    foreign = [each for each in own if FOREIGN.search(each)]
     return str((*inner, *foreign)) if inner or foreign else "", [message.head["op"] for message in found]
 
 

@@ -3,22 +3,18 @@
 import io
 import json
 import random
-import re
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fuzz import FOREIGN
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.archive import npy_content
 from apd_viewer.session.storage.session_file import open_session
 
 GOOD = Path(__file__).with_name("version-1.apd")
-# Words of the interpreter, which say nothing to who has the file.
-FOREIGN = re.compile(
-    r"Traceback|Error|Exception|NoneType|numpy|ndarray|tuple|\bdict\b|\bstr\b|\bint\b|unpack|b'|codec|decode"
-)
 
 
 def members() -> dict[str, bytes]:
