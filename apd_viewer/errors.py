@@ -1,23 +1,20 @@
 """Exception for unusable input, and the test for work that nobody waits for."""
 
-import re
 from collections.abc import Callable
 from contextvars import ContextVar
 
 # Told by whoever runs work in a thread; asked by work that can be ended early.
 is_cancelled: ContextVar[Callable[[], bool]] = ContextVar("is_cancelled", default=bool)
-
-
-# What would break a line, act on a terminal or not be encoded: control characters and lone surrogates.
-_CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
+# Unprintable to Python, but not to people: spaces between a number and its unit, and what joins signs.
+_KEPT = "\u00a0\u202f\u200c\u200d"
 
 
 class InputError(ValueError):
     """Unusable input; the message states the problem and the remedy in one sentence.
 
     Raised only at the boundaries (files, command line, public functions). The window and the command line
-    show the message unchanged; any other uncaught exception is a bug. Control characters of quoted input are
-    shown as spaces.
+    show the message unchanged; any other uncaught exception is a bug. Unprintable characters of quoted
+    input, such as line breaks and lone surrogates, are shown as spaces.
 
     Examples
     --------
@@ -30,4 +27,5 @@ class InputError(ValueError):
     """
 
     def __str__(self) -> str:
-        return _CONTROL.sub(" ", super().__str__())
+        said = super().__str__()
+        return "".join(sign if sign.isprintable() or sign in _KEPT else " " for sign in said)

@@ -22,6 +22,7 @@ import traceback
 import warnings
 from collections import Counter
 from pathlib import Path
+from xml.etree.ElementTree import ParseError
 
 import numpy as np
 from mesh_contents import FILES
@@ -282,7 +283,7 @@ def check_sentence(error):
     own = re.sub(r"“.*?”|is not valid: .*", "", said)  # without what it shows of the file
     assert not FOREIGN.search(own), f"not for people: {said!r}"
     cause = error.__cause__
-    expected = ValueError | OSError | csv.Error | struct.error | None
+    expected = ValueError | OSError | csv.Error | struct.error | ParseError | None
     assert isinstance(cause, expected), f"a reader raised {cause!r}"
     if isinstance(cause, ValueError):
         *_, (frame, _) = traceback.walk_tb(cause.__traceback__)
