@@ -92,7 +92,7 @@ def mesh_contents(suffix):
         if suffix in (".obj", ".ply", ".glb", ".gltf"):
             found.append(getattr(textured_files, suffix[1:])(Path(folder)).read_bytes())
         if suffix in (".glb", ".gltf"):
-            for made in (scene(), colored_scene()):
+            for made in (scene(), colored_scene(), textured_scene()):
                 found.append(made.write(Path(folder, f"scene{suffix}")).read_bytes())
     return found
 
@@ -174,9 +174,33 @@ def colored_scene():
     return found
 
 
+def textured_scene():
+    """Two parts with an image each, and one without."""
+    found, uv = GltfScene(), np.tile(np.float32([[0.2, 0.7], [1.5, -0.5]]), (len(MESH.V) // 2, 1))
+    png, jpeg, *_ = image_contents()
+    views = [found.view(np.frombuffer(content, np.uint8)) for content in (png, jpeg)]
+    found.document["images"] = [{"bufferView": view, "mimeType": "image/png"} for view in views]
+    found.document["textures"] = [{"source": 0}, {"source": 1}]
+    found.document["materials"] = [
+        {"pbrMetallicRoughness": {"baseColorTexture": {"index": k}}} for k in (0, 1)
+    ]
+    for k in (0, 1):
+        found.node(
+            mesh=found.mesh(MESH.V, MESH.F, material=k, attributes={"TEXCOORD_0": found.accessor(uv)}),
+            translation=[3 * k, 0, 0],
+        )
+    found.node(mesh=found.mesh(MESH.V, MESH.F), translation=[0, 3, 0])
+    return found
+
+
 def selection_contents(suffix):
     assert suffix in SELECTION_FORMATS
-    return [written(f"a{suffix}", lambda path: write_selection(path, MESH, painted()))]
+    found = [written(f"a{suffix}", lambda path: write_selection(path, MESH, painted()))]
+    if suffix == ".dmat":
+        groups = np.resize([0.0, 1.0, 2.0], len(MESH.V))
+        found += [b"0 0\n1 %d\n" % len(groups) + groups.tobytes()]
+        found += [b"1 %d\n" % len(groups) + "\n".join(map(str, range(len(groups)))).encode()]
+    return found
 
 
 def number_contents():
@@ -244,6 +268,10 @@ PLANS = [
 WALLS = [
     b"z,thickness (mm),young,yield_radius (cm)\n0,0.2,2,0.6\n2,0.5,3,0.8\n",
     b"height;thickness_mm\n0;0,2\n2;0,5\n",
+    b"x,y,thickness\n0,0,0.2\n",
+    b"height,thickness\n0,thick\n1,0.5\n",
+    b"vertex,thickness\n0,0.2\n0,0.5\n",
+    b"a,b\n1,2\n",
     "vertex,thickness\n{}".format("".join(f"{k},0.1\n" for k in range(len(MESH.V)))).encode(),
     "triangle\tthickness\n{}".format("".join(f"{k}\t0.1\n" for k in range(len(MESH.F)))).encode(),
     ("x,y,z,thickness\n" + "".join(f"{x},{y},{z},0.3\n" for x, y, z in MESH.V.tolist())).encode(),

@@ -8,6 +8,8 @@ import struct
 import tempfile
 import zlib
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from copy import copy
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -38,7 +40,7 @@ from apd_viewer.files.known_file import KnownFile
 from apd_viewer.files.mesh_formats import MESH_FORMATS, WriteSupport
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import read_mesh
-from apd_viewer.files.picture_files import read_png
+from apd_viewer.files.picture_files import png_content, read_png
 from apd_viewer.files.selections.selection_files import (
     SELECTION_FORMATS,
     read_selection_file,
@@ -59,7 +61,7 @@ from apd_viewer.session.quantities.wall import (
     typed_mass,
     with_part_thickness,
 )
-from apd_viewer.session.quantities.wall_distribution import read_distribution
+from apd_viewer.session.quantities.wall_distribution import read_distribution, write_distribution
 from apd_viewer.session.storage.part_json import read_obstacles
 from apd_viewer.session.storage.session_file import (
     has_mesh,
@@ -68,6 +70,7 @@ from apd_viewer.session.storage.session_file import (
     save_if_unchanged,
     save_session,
 )
+from apd_viewer.session.storage.timeline_json import saved_timeline
 from apd_viewer.session.typed_values import TypedValues
 
 FOLDER = Path(tempfile.mkdtemp(prefix="apd-fuzz-"))
@@ -186,13 +189,19 @@ def _numbers(content):
 def _images(content):
     each_of(lambda: read_image(content, "a"), lambda: read_picture(content, "a"))
     try:
-        read_png(content, 64)
+        png_content(read_png(content, 64))
     except ValueError:
         return
 
 
 def _wall(content, suffix):
     name = f"wall{suffix}"
+    with suppress(InputError):
+        found = read_distribution(written(name, content), MESH, MM)
+        write_distribution(FOLDER / "again.csv", found.in_unit(MM))
+        assert read_distribution(FOLDER / "again.csv", MESH, MM).in_unit(MM).triangles.min() > 0.0
+        assert copy(found) == found
+        assert found.on(Mesh(2.0 * MESH.V, MESH.F)) != str(found)
     each_of(
         lambda: read_distribution(written(name, content), MESH, MM, "0.1mm..2mm" if suffix == ".ply" else ""),
         lambda: read_distribution(FOLDER / name, MESH, Unit.NONE),
@@ -212,6 +221,7 @@ def _session(content):
     path = written("session.apd", content)
     opened = open_session_file(path)
     save_session(FOLDER / "saved.apd", opened.state, opened.view, True, True, timeline=opened.timeline)
+    assert len(saved_timeline(opened.timeline, opened.state).steps) <= len(opened.timeline.steps)
     save_if_unchanged(KnownFile(path), path, *open_session(path))
     assert has_mesh(path, opened.state.document.mesh)
 
@@ -384,6 +394,17 @@ TARGETS |= {
             "max(1, 2)",
             "abs(-2)",
             "1mm + 2",
+            "60 * ((((1))))",
+            70 * "(" + "1",
+            "sin(1, 2)",
+            "tan(90deg)",
+            "cos(1mm)",
+            "asin(1deg)",
+            "acos(2)",
+            "1mm + 1deg",
+            "2^1mm",
+            "0^-1",
+            "9^999999",
         ),
     ),
     "typed": Target(

@@ -16,6 +16,7 @@ CELLS = {
     vtk.VTK_LINE: [0, 1],
     vtk.VTK_VERTEX: [2],
 }
+SOLID, CURVED = {vtk.VTK_TETRA: [0, 1, 2, 3]}, {vtk.VTK_QUADRATIC_TRIANGLE: [0, 1, 2, 3, 4, 5]}
 COMPRESSORS = None, vtk.vtkLZ4DataCompressor, vtk.vtkZLibDataCompressor, vtk.vtkLZMADataCompressor
 
 
@@ -63,10 +64,10 @@ def _surface():
     return _with_arrays(data)
 
 
-def _grid():
+def _grid(cells=CELLS):
     data = vtk.vtkUnstructuredGrid()
     data.SetPoints(vtk.vtkPoints())
-    for kind, own in CELLS.items():
+    for kind, own in cells.items():
         data.InsertNextCell(kind, len(own), own)
     return _with_arrays(data)
 
@@ -75,7 +76,10 @@ def legacy_contents():
     """Both kinds of data set, as text and binary, of version 4.2 and 5.1."""
     found = []
     for (data, writer), version, is_text in itertools.product(
-        ((_surface(), vtk.vtkPolyDataWriter()), (_grid(), vtk.vtkUnstructuredGridWriter())),
+        (
+            (_surface(), vtk.vtkPolyDataWriter()),
+            *((_grid(cells), vtk.vtkUnstructuredGridWriter()) for cells in (CELLS, SOLID, CURVED)),
+        ),
         (42, 51),
         (True, False),
     ):
