@@ -279,7 +279,7 @@ def check_sentence(error):
     said = str(error)
     assert len(said.splitlines()) == 1, f"more than one line: {said!r}"
     assert said.endswith("."), f"no sentence: {said!r}"
-    assert said.isprintable(), f"not printable: {said!r}"
+    assert re.sub("[\u00a0\u202f\u200c\u200d]", "", said).isprintable(), f"not printable: {said!r}"
     own = re.sub(r"“.*?”|is not valid: .*", "", said)  # without what it shows of the file
     assert not FOREIGN.search(own), f"not for people: {said!r}"
     cause = error.__cause__
