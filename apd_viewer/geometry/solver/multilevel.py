@@ -199,6 +199,11 @@ class MultilevelDescent:
         self.forecast.reset()
         self._previews = self.surface.factor.is_in_other_process
 
+    def prepare_previews(self) -> None:
+        """Compute what the first preview waits for, and later ones reuse."""
+        if self._previews:
+            self.coarse.prolonged_positions(self.surface.U[self.surface.fixed])
+
     def step(self) -> None:
         """Prolong the coarse level's rotations; descend once it has converged."""
         if self._previews and not (self.coarse.converged and self.fine.ready):

@@ -59,6 +59,12 @@ def minimizer(surface: ElasticSurface, goals: tuple[Goal, ...]) -> IterativeSolv
     return ConstrainedDescent(surface, goals)
 
 
+def prepare_previews(solver: IterativeSolver) -> None:
+    """Compute what the first preview of a solver waits for, if it shows any."""
+    if isinstance(solver, Restarts):
+        solver.inner.prepare_previews()
+
+
 class Restarts:
     """Multilevel solver restarted from each of its minima.
 

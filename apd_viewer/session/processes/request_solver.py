@@ -20,6 +20,7 @@ from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.multilevel import compute_decimations
 from apd_viewer.geometry.solver.path_iteration import PathIteration
+from apd_viewer.geometry.solver.restarts import prepare_previews
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import obstacle_shifts, targets_of
@@ -118,6 +119,7 @@ class RequestSolver:
             self._iterate(request, solver, started)
         else:
             self._begin_factorizations()
+            self._prepare_first_shape(solver)
 
     def discard_other_mesh(self, mesh: Mesh) -> None:
         """Discard the preparations for another mesh, if there are any."""
@@ -246,6 +248,13 @@ class RequestSolver:
         """Begin the factorizations, after the more urgent first shape."""
         for factor in self._factors:
             factor.begin()
+
+    def _prepare_first_shape(self, solver: Deformation) -> None:
+        """Compute what the first shape of a drag would wait for, unless it is asked for already."""
+        if not self._requests.is_ready:
+            solver.frame()
+        if not self._requests.is_ready:
+            prepare_previews(solver.solver)
 
     def _rest_of(self, request: Request) -> RestMesh:
         mesh = request.document.mesh

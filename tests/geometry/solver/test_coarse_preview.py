@@ -9,8 +9,9 @@ from remote_factor_double import Elsewhere
 
 from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals
 from apd_viewer.geometry.mesh.normals import vertex_normals
-from apd_viewer.geometry.solver import multilevel
+from apd_viewer.geometry.solver import coarse_level, multilevel
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.restarts import prepare_previews
 
 AROUND = 48
 V, F = tube(AROUND, 72, height=4.0)
@@ -254,3 +255,31 @@ def test_preview_forecast_is_not_foretold_where_nothing_is_waited_for():
     solver = Deformation(V, F, FIXED)
     solver.aim(targets(0.3))
     assert solver.step().seconds_left is None
+
+
+@pytest.fixture
+def prolongations(monkeypatch):
+    """Interpolations to fine surfaces that are computed."""
+    found, plain = [], coarse_level.Prolongation
+    monkeypatch.setattr(coarse_level, "Prolongation", lambda *given: found.append(given) or plain(*given))
+    return found
+
+
+def test_coarse_preview_prepared_ahead_is_the_same_and_waits_for_less(factor, prolongations):
+    shapes, computed = [], []
+    for is_ahead in (False, True):
+        solver = Deformation(V, F, FIXED, factored=factor)
+        if is_ahead:
+            prepare_previews(solver.solver)
+        prolongations.clear()
+        solver.aim(targets(0.3))
+        solver.iterate()
+        shapes.append(solver.frame().U)
+        computed.append(len(prolongations))
+    assert np.array_equal(*shapes)
+    assert computed == [1, 0]
+
+
+def test_coarse_preview_is_not_prepared_where_there_is_none(prolongations):
+    prepare_previews(Deformation(V, F, FIXED).solver)
+    assert not prolongations
