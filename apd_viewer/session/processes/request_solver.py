@@ -250,8 +250,8 @@ class RequestSolver:
             factor.begin()
 
     def _prepare_first_shape(self, solver: Deformation) -> None:
-        """Compute what the first shape of a drag would wait for, unless it is asked for already."""
-        if not self._requests.is_ready:
+        """Compute what the first shape of a drag would wait for."""
+        if not self._requests.is_ready:  # else it is asked for already
             solver.frame()
         if not self._requests.is_ready:
             prepare_previews(solver.solver)
