@@ -2,11 +2,13 @@
 
     python tests/benchmarks/contact_at_size.py record SIZE FILE
     python tests/benchmarks/contact_at_size.py replay [--before CHECKOUT] FILE ...
+    python tests/benchmarks/contact_at_size.py solve SIZE ...
 
 ``record`` twists the sample bottle (13k), the same with every triangle cut in four (52k), or an ellipsoid
 (164k, 655k) in steps of 2°, without contact, and keeps every shape. ``replay`` moves contact alone
 through them, with the package of this checkout and of another in turns, and prints the milliseconds of the
-processor a shape: what a solver adds is left out, so that noise of the machine shows less.
+processor a shape: what a solver adds is left out, so that noise of the machine shows less. ``solve`` has two
+solvers do the drag, with contact and without, iterations in turns, and prints the ratio of their times.
 """
 
 import argparse
@@ -126,15 +128,47 @@ def replay(file):
     return {"drag": np.mean(times[:drag]), "rest": np.mean(times[drag:]), "refused": refused, "parts": spent}
 
 
+def solve(size):
+    """Print what an iteration with contact takes, relative to one without."""
+    V, F, fixed, handle = load(size)
+    thickness = THICKNESS * float(np.linalg.norm(np.ptp(V, axis=0)))
+    named = {"fixed": fixed, "handle": fixed[handle]}
+    solvers = [
+        Deformation(V, F, **named, contact=False),
+        Deformation(V, F, **named, contact=True, thickness=thickness),
+    ]
+    times = [[], []]
+    for k in range(round(LAST / STEP)):
+        for solver in solvers:
+            solver.aim(twisted(V, fixed, handle, STEP * (k + 1)))
+        for _ in range(EACH + (SETTLING if STEP * (k + 1) == LAST else 0)):
+            for which, solver in enumerate(solvers):
+                begun = time.perf_counter()
+                solver.iterate()
+                times[which].append(1e3 * (time.perf_counter() - begun))
+    plain, touching = np.array(times)[:, EACH:]  # the first step compiles, and makes the factor
+    for name, part in (("drag", slice(0, -SETTLING)), ("converging", slice(-SETTLING, None))):
+        a, b = plain[part], touching[part]
+        print(
+            f"{size:5} {name:11} without {a.mean():7.1f} ms, with {b.mean():7.1f} ms: "
+            f"means x {b.mean() / a.mean():.2f}, medians x {np.median(b) / np.median(a):.2f}",
+            flush=True,
+        )
+
+
 def main():
     """Record, or replay and print the table."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--before", type=Path)
-    parser.add_argument("what", choices=["record", "replay", "one"])
+    parser.add_argument("what", choices=["record", "replay", "one", "solve"])
     parser.add_argument("names", nargs="+")
     asked = parser.parse_args()
     if asked.what == "record":
         record(*asked.names)
+        return
+    if asked.what == "solve":
+        for size in asked.names:
+            solve(size)
         return
     if asked.what == "one":
         print(json.dumps(replay(asked.names[0])))
