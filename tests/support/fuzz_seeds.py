@@ -162,7 +162,7 @@ def scene():
 
 
 def colored_scene():
-    """One mesh with colours, a thickness and three levels of sparse accessors."""
+    """One mesh with colours, and a thickness and positions by sparse accessors over others."""
     found, n = GltfScene(), len(MESH.V)
     attributes = {
         "COLOR_0": found.accessor(np.full((n, 4), 90), "u1", normalized=True),
