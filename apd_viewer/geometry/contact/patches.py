@@ -21,7 +21,12 @@ _SWEEPS = 6  # iterations of Lloyd's algorithm
 # Number of points above which threads pay off: they take six times as long as one for 300 points, and a
 # quarter less for 5,000.
 _WORTH_THREADS = 2000
-_PORTION = 512
+# Cells of the Morton curve along the longest axis, and steps that spread the bits of their numbers.
+_CELLS = 1023.0
+_SPREAD = (16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)
+_TASKS = 32  # of a search for near boxes
+_FIRST_CAPACITY = 1000  # pairs of boxes of a task
+_DEEPEST = 64  # nodes that wait: one for each level of a tree
 
 
 class PatchItems(NamedTuple):
@@ -62,6 +67,7 @@ class Patches:
         self.used_vertices = np.unique(F)
         own = _cluster_of_points(V[self.used_vertices])
         self._count = count = int(own.max()) + 1
+        self._capacity = _FIRST_CAPACITY
         patch = np.zeros(len(V), np.int64)
         patch[self.used_vertices] = own
         self.vertices = PatchItems.group(own, self.used_vertices, count)
@@ -80,10 +86,14 @@ class Patches:
 
         In ascending order; each patch makes a pair with itself.
         """
-        axis = int(np.ptp(boxes[:, :3], axis=0).argmax())
-        order = np.argsort(boxes[:, axis])
-        first = np.concatenate([[0], np.cumsum(_count_near_boxes(boxes, order, axis, gap))])
-        key, apart = _keys_near(boxes, order, axis, gap, first)
+        order = _order_along_curve(boxes)
+        tree = _tree_of_boxes(boxes[order])
+        while True:
+            *columns, count = _near_leaves(tree, order, gap, self._capacity, _TASKS)
+            if (most := int(count.max())) <= self._capacity:
+                break
+            self._capacity = int(1.2 * most)
+        key, apart = (np.concatenate([c[k, : count[k]] for k in range(_TASKS)]) for c in columns)
         ascending = np.argsort(key)
         key = key[ascending]
         return np.column_stack([key >> 32, key & 0xFFFFFFFF]), apart[ascending]
@@ -144,39 +154,73 @@ def boxes_within(A: np.ndarray, i: int, B: np.ndarray, j: int, gap: float) -> bo
     )
 
 
-@parallel()
-def _count_near_boxes(boxes: np.ndarray, order: np.ndarray, axis: int, gap: float) -> np.ndarray:
-    """Number of boxes within ``gap`` of each box, counting itself and later ones only."""
-    count = np.ones(len(order), np.int64)
-    for a in prange(len(order)):
-        for b in range(a + 1, len(order)):
-            if boxes[order[b], axis] > boxes[order[a], axis + 3] + gap:
-                break
-            if boxes_within(boxes, order[a], boxes, order[b], gap):
-                count[a] += box_distance(boxes, order[a], boxes, order[b]) <= gap
-    return count
+def _order_along_curve(boxes: np.ndarray) -> np.ndarray:
+    """Order (p,) of boxes (p, 6) by the Morton curve through their centres."""
+    centres = boxes[:, :3] + boxes[:, 3:]
+    size = max(float(np.ptp(centres, axis=0).max()), 1e-300)
+    cells = ((centres - centres.min(axis=0)) * (_CELLS / size)).astype(np.int64)
+    for shift, mask in _SPREAD:
+        cells = (cells | cells << shift) & mask
+    return np.argsort(cells @ [1, 2, 4], kind="stable")
+
+
+def _tree_of_boxes(leaves: np.ndarray) -> np.ndarray:
+    """Complete binary tree (2 l, 6) of boxes around boxes (p, 6), its root in row 1.
+
+    Children of row k are 2 k and 2 k + 1. The leaves from row l on are those given, then empty ones.
+    """
+    width = 1 << (len(leaves) - 1).bit_length()
+    empty = np.repeat([np.inf, -np.inf], 3)
+    tree = np.tile(empty, (2 * width, 1))
+    tree[width : width + len(leaves)] = leaves
+    while width > 1:
+        low, high = tree[width : 2 * width : 2], tree[width + 1 : 2 * width : 2]
+        width //= 2
+        tree[width : 2 * width, :3] = np.minimum(low[:, :3], high[:, :3])
+        tree[width : 2 * width, 3:] = np.maximum(low[:, 3:], high[:, 3:])
+    return tree
 
 
 @parallel()
-def _keys_near(
-    boxes: np.ndarray, order: np.ndarray, axis: int, gap: float, first: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Keys of near box pairs, the lower index in the upper 32 bits, and distances."""
-    key, apart = np.empty(first[-1], np.int64), np.zeros(first[-1])
-    for a in prange(len(order)):
-        i, n = order[a], first[a]
-        key[n] = i << 32 | i
-        for b in range(a + 1, len(order)):
-            j = order[b]
-            if boxes[j, axis] > boxes[i, axis + 3] + gap:
-                break
-            if not boxes_within(boxes, i, boxes, j, gap):
-                continue
-            d = box_distance(boxes, i, boxes, j)
-            if d <= gap:
+def _near_leaves(
+    tree: np.ndarray, order: np.ndarray, gap: float, capacity: int, tasks: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Keys and distances of near leaves, found by each task up to the capacity, and their number.
+
+    The lower of two numbers of boxes, which ``order`` (p,) tells, is in the upper 32 bits of a key.
+    """
+    width, leaves = len(tree) // 2, len(order)
+    key, apart = np.empty((tasks, capacity), np.int64), np.empty((tasks, capacity))
+    count = np.zeros(tasks, np.int64)
+    for task in prange(tasks):
+        n = 0
+        node, span = np.empty(_DEEPEST, np.int64), np.empty(_DEEPEST, np.int64)
+        for leaf in range(task, leaves, tasks):
+            i = order[leaf]
+            node[0], span[0] = 1, width
+            depth = 1
+            while depth > 0:
+                depth -= 1
+                k, size = node[depth], span[depth]
+                begin = k * size - width  # the first leaf below
+                if begin + size <= leaf or begin >= leaves:
+                    continue
+                if not boxes_within(tree, width + leaf, tree, k, gap):
+                    continue
+                d = box_distance(tree, width + leaf, tree, k)
+                if d > gap:
+                    continue
+                if size > 1:
+                    for child in range(2):
+                        node[depth], span[depth] = 2 * k + child, size // 2
+                        depth += 1
+                    continue
+                if n < capacity:
+                    j = order[begin]
+                    key[task, n], apart[task, n] = min(i, j) << 32 | max(i, j), d
                 n += 1
-                key[n], apart[n] = min(i, j) << 32 | max(i, j), d
-    return key, apart
+        count[task] = n
+    return key, apart, count
 
 
 @parallel()
