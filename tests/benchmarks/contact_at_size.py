@@ -27,6 +27,7 @@ from meshes import rotation, sphere
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.near_pairs import NearPairs
+from apd_viewer.geometry.contact.neighbour_bounds import NeighbourBounds
 from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
@@ -39,6 +40,7 @@ PARTS = [
     (NearPairs, "_find_near_patches"),
     (Patches, "approach_bounds"),
     (PairSearch, "near_pairs"),
+    (NeighbourBounds, "excess"),
 ]
 
 

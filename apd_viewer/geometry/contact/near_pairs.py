@@ -15,7 +15,7 @@ from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
 from apd_viewer.geometry.contact.neighbour_bounds import NeighbourBounds
 from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches
-from apd_viewer.geometry.linalg.parallel_ops import largest_difference
+from apd_viewer.geometry.linalg.parallel_ops import largest_displacement
 
 # In mean edge lengths: largest distance of patches with a bound, look-ahead of a search, and largest approach
 # of two patches in one step. Larger values mean more pairs, smaller ones more searches.
@@ -26,7 +26,6 @@ _FARTHEST = 1.0
 _LONGEST = 1.5
 # Margin above the range, in mean edge lengths, within which exact gaps replace lower bounds.
 _MARGIN = 0.1
-_CORNER = 3.0**0.5  # largest ratio of a vector's length to its largest coordinate
 # Fraction of the look-ahead: a search starts early once a bound falls below it.
 _SOON = 0.5
 # Smallest gap after a step: the least of these fractions of the range, the pair's range and its listed gap.
@@ -110,11 +109,11 @@ class NearPairs:
 
         ``U`` is the shape of the last :meth:`rebuild_at` or :meth:`accept_step`.
         """
-        self._within = 2.0 * _CORNER * largest_difference(W, self._paid_at) < self._clearance
+        self._within = 2.0 * largest_displacement(W, self._paid_at) < self._clearance
         if self._within:
             self._energy_after = 0.0
             return None
-        far = self._list_within_reach(U, W, _CORNER * largest_difference(W, U))
+        far = self._list_within_reach(U, W, largest_displacement(W, U))
         if far is not None:
             return np.full(len(U), far)
         listed, self._ahead = self._listed, W
@@ -173,7 +172,7 @@ class NearPairs:
         self._reduce_bounds(U)
         if step > _LONGEST * self._edge:
             return 0.9 * _LONGEST * self._edge / step
-        moved, needed = _CORNER * largest_difference(U, self._listed_at), max(self._usual, 4.0 * step)
+        moved, needed = largest_displacement(U, self._listed_at), max(self._usual, 4.0 * step)
         if 2.0 * (moved + step) > self._unseen or self._unseen > 2.0 * needed:
             self._find_near_patches(U, needed)
             moved = 0.0

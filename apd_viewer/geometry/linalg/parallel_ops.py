@@ -131,6 +131,20 @@ def largest_difference(A: np.ndarray, B: np.ndarray) -> float:
 
 
 @parallel()
+def largest_displacement(A: np.ndarray, B: np.ndarray) -> float:
+    """Largest distance of corresponding points of ``A``, ``B`` (n, 3)."""
+    count = (len(A) + _PORTION - 1) // _PORTION
+    largest = np.zeros(count)
+    for portion in prange(count):
+        most = 0.0
+        for i in range(portion * _PORTION, min(len(A), (portion + 1) * _PORTION)):
+            x, y, z = A[i, 0] - B[i, 0], A[i, 1] - B[i, 1], A[i, 2] - B[i, 2]
+            most = max(most, x * x + y * y + z * z)
+        largest[portion] = most
+    return np.sqrt(largest.max())
+
+
+@parallel()
 def gathered_rows(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Copy (k, 3) of the ``rows`` (k,) of ``X`` (n, 3)."""
     out = np.empty((len(rows), 3))
