@@ -27,7 +27,7 @@ _LONGEST = 1.5
 # Margin above the range, in mean edge lengths, within which exact gaps replace lower bounds.
 _MARGIN = 0.1
 # Fraction of the look-ahead: a search starts early once a bound falls below it.
-_SOON = 0.5
+_SOON = 0.1
 # Smallest gap after a step: the least of these fractions of the range, the pair's range and its listed gap.
 _FLOOR, _FLOOR_OF_RANGE, _FLOOR_OF_GAP = 5e-3, 0.1, 0.5
 
