@@ -15,15 +15,18 @@ from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
 from apd_viewer.geometry.contact.neighbour_bounds import NeighbourBounds
 from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches
-from apd_viewer.geometry.linalg.parallel_ops import largest_displacement
+from apd_viewer.geometry.linalg.parallel_ops import largest_difference, largest_displacement
 
 # In mean edge lengths: largest distance of patches with a bound, look-ahead of a search, and largest approach
 # of two patches in one step. Larger values mean more pairs, smaller ones more searches.
 _PATCHES_WITHIN = 3.0
 _LOOK_AHEAD = 0.4
 _FARTHEST = 1.0
-# Longest step in mean edge lengths; longer ones are split, so that all patches that may meet are listed.
+# Longest step in mean edge lengths; longer ones are split, so that all patches that may meet are listed. The
+# largest coordinate measures it: cut by their length itself, which allows longer steps, filled pillows of cloth
+# come to rest with loads that differ by up to 0.25 % instead of 0.14 %.
 _LONGEST = 1.5
+_CORNER = 3.0**0.5  # largest ratio of a vector's length to its largest coordinate
 # Margin above the range, in mean edge lengths, within which exact gaps replace lower bounds.
 _MARGIN = 0.1
 # Fraction of the look-ahead: a search starts early once a bound falls below it.
@@ -113,7 +116,7 @@ class NearPairs:
         if self._within:
             self._energy_after = 0.0
             return None
-        far = self._list_within_reach(U, W, largest_displacement(W, U))
+        far = self._list_within_reach(U, W)
         if far is not None:
             return np.full(len(U), far)
         listed, self._ahead = self._listed, W
@@ -167,12 +170,13 @@ class NearPairs:
             self._bound = self._bound - approach
             self._paid_at, self._clearance = U, 0.0
 
-    def _list_within_reach(self, U: np.ndarray, W: np.ndarray, step: float) -> float | None:
+    def _list_within_reach(self, U: np.ndarray, W: np.ndarray) -> float | None:
         """List all pairs within reach of a step; return the possible fraction if too long."""
         self._reduce_bounds(U)
-        if step > _LONGEST * self._edge:
-            return 0.9 * _LONGEST * self._edge / step
-        moved, needed = largest_displacement(U, self._listed_at), max(self._usual, 4.0 * step)
+        if (longest := _CORNER * largest_difference(W, U)) > _LONGEST * self._edge:
+            return 0.9 * _LONGEST * self._edge / longest
+        step, moved = largest_displacement(W, U), largest_displacement(U, self._listed_at)
+        needed = max(self._usual, 4.0 * step)
         if 2.0 * (moved + step) > self._unseen or self._unseen > 2.0 * needed:
             self._find_near_patches(U, needed)
             moved = 0.0
