@@ -23,8 +23,8 @@ _PATCHES_WITHIN = 3.0
 _LOOK_AHEAD = 0.4
 _FARTHEST = 1.0
 # Longest step in mean edge lengths; longer ones are split, so that all patches that may meet are listed. The
-# largest coordinate measures it: cut by their length itself, which allows longer steps, filled pillows of cloth
-# come to rest with loads that differ by up to 0.25 % instead of 0.14 %.
+# largest coordinate measures it: cut by their length itself, which allows longer steps, filled pillows of
+# cloth come to rest with loads that differ by up to 0.25 % instead of 0.14 %.
 _LONGEST = 1.5
 _CORNER = 3.0**0.5  # largest ratio of a vector's length to its largest coordinate
 # Margin above the range, in mean edge lengths, within which exact gaps replace lower bounds.
