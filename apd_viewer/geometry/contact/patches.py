@@ -185,9 +185,9 @@ def _tree_of_boxes(leaves: np.ndarray) -> np.ndarray:
 def _near_leaves(
     tree: np.ndarray, order: np.ndarray, gap: float, capacity: int, tasks: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Keys and distances of near leaves, found by each task up to the capacity, and their number.
+    """Keys and distances of near leaves by task, and their number.
 
-    The lower of two numbers of boxes, which ``order`` (p,) tells, is in the upper 32 bits of a key.
+    No more than the capacity are written. The lower of two numbers of boxes, which ``order`` (p,) tells, is in the upper 32 bits of a key.
     """
     width, leaves = len(tree) // 2, len(order)
     key, apart = np.empty((tasks, capacity), np.int64), np.empty((tasks, capacity))
