@@ -187,8 +187,8 @@ def _near_leaves(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Keys and distances of near leaves by task, and their number.
 
-    No more than the capacity are written. The lower of two numbers of boxes, which ``order`` (p,) tells, is in
-    the upper 32 bits of a key.
+    No more than the capacity are written. A key has the lower of two numbers of boxes, which ``order`` (p,)
+    tells, in its upper 32 bits.
     """
     width, leaves = len(tree) // 2, len(order)
     key, apart = np.empty((tasks, capacity), np.int64), np.empty((tasks, capacity))
