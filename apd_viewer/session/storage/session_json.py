@@ -19,7 +19,7 @@ from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame, FrameContact
 from apd_viewer.geometry.solver.convergence import Convergence, check_convergence
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.geometry.solver.settings import SETTINGS, SettingKind, Settings
+from apd_viewer.geometry.solver.settings import SETTINGS, Setting, SettingKind, Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.handles_and_regions import MOST_POSES, NO_FLAGS
@@ -283,7 +283,7 @@ def settings_to_json(settings: Settings) -> dict[str, Any]:
 def settings_from_json(fields: JsonFields) -> Settings:
     """Settings from JSON, with defaults if missing; raises ValueError if damaged."""
     found = {
-        name: _from_json(fields, name, setting.kind)
+        name: _from_json(fields, name, setting)
         for name, setting in SETTINGS.items()
         if fields.has_value(name)
     }
@@ -302,8 +302,8 @@ def _to_json(kind: SettingKind, value: Any) -> Any:
             return part_json.number_to_json(value)
 
 
-def _from_json(fields: JsonFields, name: str, kind: SettingKind) -> Any:
-    match kind:
+def _from_json(fields: JsonFields, name: str, setting: Setting) -> Any:
+    match setting.kind:
         case SettingKind.METHOD:
             return _method_from_json(fields.text(name))
         case SettingKind.SWITCH:
@@ -311,7 +311,7 @@ def _from_json(fields: JsonFields, name: str, kind: SettingKind) -> Any:
         case SettingKind.CONVERGENCE:
             return _convergence_from_json(fields.nested_fields(name))
         case SettingKind.NUMBER:
-            return fields.number(name, 0.0, part_json.LARGEST_NUMBER)
+            return fields.number(name, setting.least, setting.most)
         case SettingKind.PRESSURE:
             return fields.number(name, -part_json.LARGEST_NUMBER, part_json.LARGEST_NUMBER)
         case _:

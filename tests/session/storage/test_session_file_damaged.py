@@ -147,6 +147,8 @@ WRONG = {
     ),
     "endless": (("document", "convergence"), NO_END, "“convergence” is damaged"),
     "stiffness below 0": (("document", "stiffness"), -1.0, "“stiffness” is damaged"),
+    "a Poisson ratio above one half": (("document", "poisson"), 0.7, "“poisson” is damaged"),
+    "hardening of one": (("document", "hardening"), 1.0, "“hardening” is damaged"),
     "area of words": (("document", "area"), "all", "“area” is damaged"),
     "no volume": (("document", "volume"), 0, "“volume” is damaged"),
     "flag": (("document", "hold_area"), 1, "“hold_area” is damaged"),
