@@ -5,7 +5,6 @@ import json
 import struct
 import tempfile
 import zipfile
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -21,17 +20,7 @@ from PIL import Image
 from apd_viewer.cases.case_file import CaseResult, case_to_bytes
 from apd_viewer.files.animations.animation_files import write_animation
 from apd_viewer.files.selections.selection_files import SELECTION_FORMATS, write_selection
-from apd_viewer.geometry.analysis.target_shape import TargetShape
-from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.handles_and_regions import NamedRegion
 from apd_viewer.session.model.named_obstacle import ObstacleKind
-from apd_viewer.session.model.state import initial_state
-from apd_viewer.session.model.timeline import Timeline, TimelineStep
-from apd_viewer.session.model.view import CameraPose, RegionImage, UpAxis, View
-from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import WallText
-from apd_viewer.session.quantities.wall_distribution import thickness_text
-from apd_viewer.session.storage.session_file import save_session
 
 STORED = Path(__file__).parents[1] / "session" / "storage"
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
@@ -200,7 +189,44 @@ def selection_contents(suffix):
         groups = np.resize([0.0, 1.0, 2.0], len(MESH.V))
         found += [b"0 0\n1 %d\n" % len(groups) + groups.tobytes()]
         found += [b"1 %d\n" % len(groups) + "\n".join(map(str, range(len(groups)))).encode()]
+    if suffix == ".npz":
+        found += map(partial(changed_arrays, found[0]), DAMAGED_ARRAYS)
+    if suffix == ".json":
+        found += map(partial(changed_json, found[0]), DAMAGED_SELECTIONS)
     return found
+
+
+# Of a selection, what stands in place of its arrays or names.
+DAMAGED_ARRAYS = (
+    {"labels": None},
+    {"handles": np.zeros(3)},
+    {"regions": np.array(["a"]).view("<u4").__or__(0xFFFFFFF0).view("<U1")},
+    {"areas": np.array("many")},
+    {"digest": np.array(3)},
+    {"labels": np.zeros((3000, 3000), dtype=np.uint8)},
+    {"handles": np.array(["", ""])},
+    {"handles": np.array(["a", "a"])},
+    {"regions": np.array(["a", "a"])},
+    {"handles": np.array([str(k) for k in range(300)])},
+)
+DAMAGED_SELECTIONS = (
+    {"handles": [{"name": str(k), "vertices": []} for k in range(300)]},
+    {"base": [1, 1]},
+    {"handles": [{"name": "", "vertices": [3]}]},
+    {"regions": [{"name": "", "vertices": [3]}]},
+)
+
+
+def changed_arrays(content, changes):
+    with np.load(io.BytesIO(content)) as file:
+        arrays = {**file, **changes}
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **{key: value for key, value in arrays.items() if value is not None})
+    return stream.getvalue()
+
+
+def changed_json(content, changes):
+    return json.dumps(json.loads(content) | changes).encode()
 
 
 def number_contents():
@@ -333,79 +359,3 @@ def case_contents():
     readings, curves, frame = {"energy": 1.0}, {"step": [0.0, 1.0]}, {"settled": True}
     result = CaseResult("ab12", {"mesh": "a"}, "done", "", readings, curves, frame, MESH.V)
     return [case_to_bytes(result)]
-
-
-def session_contents():
-    """Sessions as stored by earlier versions, and one with all that a session can hold."""
-    welded = initial_state(MESH.welded_to(np.arange(len(MESH.V))))
-    aimed = initial_state(MESH)
-    aimed = aimed.updated(replace(aimed.document, target_shape=TargetShape(Mesh(1.1 * MESH.V, MESH.F))))
-    return [
-        *(path.read_bytes() for path in sorted(STORED.glob("*.apd"))),
-        rich_session(),
-        *(written("a.apd", partial(save_session, state=state, view=View())) for state in (welded, aimed)),
-    ]
-
-
-def rich_session():
-    mesh = MESH
-    with tempfile.TemporaryDirectory() as folder:
-        walls = Path(folder, "walls.csv")
-        walls.write_bytes(WALLS[0])
-        typed = thickness_text(str(walls), mesh, Unit.MILLIMETRE)
-    selection = painted()
-    labels = np.minimum(selection.labels, 2)
-    state = initial_state(mesh)
-    document = replace(
-        state.document,
-        labels=labels,
-        member=selection.member,
-        regions=(NamedRegion("Label «é»", 103.0), NamedRegion("b")),
-        mirror_axis=1,
-    ).with_settings(method="wall", wall_thickness=typed.in_unit(Unit.MILLIMETRE))
-    state = state.updated(document)
-    image = RegionImage("a.png", image_contents()[0], selection.member == 1, UpAxis.PLUS_Y)
-    camera = CameraPose((0.1, -2.0, 30.0), (0.0, 0.3, 0.0), (0.0, 1.0, 0.0), 0.5)
-    view = View(camera, "mm", WallText(typed, "1.38"), "bending", UpAxis.PLUS_Y, image)
-    timeline = Timeline((TimelineStep(initial_state(mesh), True), TimelineStep(state, False, state)), 3)
-    content = written(
-        "a.apd", lambda path: save_session(path, state, view, True, picture=image.content, timeline=timeline)
-    )
-    members = unpacked(content)
-    said = json.loads(members["session.json"])
-    pose = np.eye(4).tolist()
-    point = {"face": 3, "weights": [0.5, 0.25, 0.25]}
-    said["document"] |= {
-        "handles": [
-            said["document"]["handles"][0]
-            | {
-                "waypoints": [pose],
-                "earlier": [pose],
-                "line": [0.0, 1.0, 0.0],
-                "falloff": 1.5,
-                "pivot": [0.0, 1.0, 2.0],
-            }
-        ],
-        "obstacles": obstacle_rows(),
-        "staying": [],
-        "closed": [3],
-        "poses": [{"name": "up", "handles": [{"name": "Arm", "pose": pose, "waypoints": [pose]}]}],
-        "measurements": [
-            {"name": "a", "kind": "section", "plane": {"normal": [0.0, 0.0, 1.0], "offset": 0.1}},
-            {"name": "b", "kind": "level", "contents": {"up": [0.0, 1.0, 0.0], "volume": 2.0}},
-            {"name": "c", "kind": "distance", "points": [point, point]},
-        ],
-    }
-    count = len(said["document"]["obstacles"])
-    said["frame"] |= {
-        "contact": {"pairs": 3, "least_gap": 0.1, "exempt": 0},
-        "share_reached": 0.5,
-        "energy": 1.0,
-    }
-    said["frame"] |= {
-        "loads": [[0.0] * 3] * count,
-        "shifts": [[0.0] * 3] * count,
-        "saddle_escapes": 1,
-        "stable": True,
-    }
-    return packed(members | {"session.json": json.dumps(said).encode()})

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import fuzz_seeds as seeds
 import numpy as np
 from fuzz import ANY, other_json
+from fuzz_session_seeds import session_contents
 from mesh_contents import FILES, ply
 from painted_meshes import MESH
 
@@ -353,7 +354,7 @@ TARGETS |= {
             for name in ("session_file", "session_json", "part_json", "timeline_json")
         )
         + ("files/storage/archive.py", "files/storage/json_fields.py"),
-        seeds.session_contents,
+        session_contents,
     ),
     "motion": Target(
         _motion,
