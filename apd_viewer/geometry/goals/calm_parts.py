@@ -17,9 +17,10 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.linalg.parallel_ops import inner_product
-from apd_viewer.geometry.mesh.components import vertex_components
+from apd_viewer.geometry.mesh.edges_and_components import vertex_components
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, SoftConstraints, next_paint_sentence
@@ -169,7 +170,7 @@ def _potentials(
             (thinning.weight.ravel(), thinning.coarse_neighbours.ravel(), ends),
             shape=(n, len(thinning.vertices)),
         )
-        h[free] = solve_two_grid(matrix, b, interpolation[free], _STEPS)
+        h[free] = solve_two_grid(matrix, b, interpolation[free], solve_mesh.coarse_mesh.V, _STEPS)
     return h
 
 
@@ -187,15 +188,21 @@ def _is_reached(solve_mesh: SolveMesh, held: np.ndarray) -> np.ndarray:
     return reached
 
 
+@njit(cache=True, nogil=True)
 def _squared_slopes(V: np.ndarray, F: np.ndarray, h: np.ndarray) -> np.ndarray:
     """``sum |grad h|^2`` (m,) of the functions ``h`` (n, k) in the triangles."""
-    normal = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
-    squared = np.maximum(np.einsum("ij,ij->i", normal, normal), 1e-300)
     total = np.zeros(len(F))
-    for k in range(h.shape[1]):
-        # The gradient of h, but for a quarter turn in the plane and a division by twice the area.
-        across = sum(h[F[:, c], k, None] * (V[F[:, c - 1]] - V[F[:, c - 2]]) for c in range(3))
-        total += np.einsum("ij,ij->i", across, across) / squared
+    for t in range(len(F)):
+        a, b, c = F[t, 0], F[t, 1], F[t, 2]
+        ux, uy, uz = V[b, 0] - V[a, 0], V[b, 1] - V[a, 1], V[b, 2] - V[a, 2]
+        vx, vy, vz = V[c, 0] - V[a, 0], V[c, 1] - V[a, 1], V[c, 2] - V[a, 2]
+        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        squared = max(nx * nx + ny * ny + nz * nz, 1e-300)
+        for k in range(h.shape[1]):
+            # The gradient of h, but for a quarter turn in the plane and a division by twice the area.
+            along, across = h[b, k] - h[a, k], h[c, k] - h[a, k]
+            x, y, z = across * ux - along * vx, across * uy - along * vy, across * uz - along * vz
+            total[t] += (x * x + y * y + z * z) / squared
     return total
 
 
@@ -204,7 +211,7 @@ def _squared_slopes(V: np.ndarray, F: np.ndarray, h: np.ndarray) -> np.ndarray:
 _SHIFT = 1e-9
 
 
-def solve_two_grid(A: csr_array, B: np.ndarray, P: csr_array, steps: int) -> np.ndarray:
+def solve_two_grid(A: csr_array, B: np.ndarray, P: csr_array, coarse_V: np.ndarray, steps: int) -> np.ndarray:
     """Approximate ``A^-1 B`` by ``steps`` preconditioned conjugate gradient steps.
 
     Parameters
@@ -214,13 +221,15 @@ def solve_two_grid(A: csr_array, B: np.ndarray, P: csr_array, steps: int) -> np.
     B : (n, k) float array
     P : (n, c) csr_array
         Interpolation from the coarse unknowns.
+    coarse_V : (c, 3) float array
+        Positions of the coarse unknowns.
     steps : int
         Each reduces the error by about a third.
     """
     R = P.T.tocsr()
     coarse = R @ A @ P
     coarse += diags_array(np.full(coarse.shape[0], _SHIFT * coarse.diagonal().mean()))
-    factor, inverse = LinearSolver(coarse.tocsr()), 1.0 / A.diagonal()
+    factor, inverse = LinearSolver(coarse.tocsr(), coarse_V), 1.0 / A.diagonal()
 
     def corrected(r: np.ndarray) -> np.ndarray:
         return P @ factor.solve((R @ r)[:, None])[:, 0]

@@ -24,7 +24,9 @@ def test_two_grid_comes_near_in_a_few_steps_and_nearer_in_more():
     n = 24
     A, B = laplacian(n), np.random.default_rng(0).normal(size=(n * n, 2))
     exact = np.column_stack([spsolve(A.tocsc(), b) for b in B.T])
-    errors = [np.abs(solve_two_grid(A, B, pairs(n, n // 3), steps) - exact).max() for steps in (5, 10, 40)]
+    P = pairs(n, n // 3)
+    places = np.zeros((P.shape[1], 3))
+    errors = [np.abs(solve_two_grid(A, B, P, places, steps) - exact).max() for steps in (5, 10, 40)]
     assert errors[1] < 0.2 * errors[0]
     assert errors[1] < 1e-2 * np.abs(exact).max()
     assert errors[2] < 1e-8 * np.abs(exact).max()
