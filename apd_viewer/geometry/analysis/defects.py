@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.components import join, root
+from apd_viewer.geometry.mesh.edges_and_components import boundary_edges, crowded_half_edges, join
 
 # Number of preceding faces at an edge that each face is compared with.
 _MOST_AT_AN_EDGE = 64
@@ -38,20 +38,21 @@ class Defects(NamedTuple):
     is_non_orientable: bool
 
 
-def defects(F: np.ndarray, n: int) -> Defects:
-    """Defects of triangles ``F`` (m, 3), each with three distinct corners."""
-    F = np.ascontiguousarray(F)
-    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    order = _sorted_by(low, _sorted_by(high, np.arange(len(high)), n), n)
-    uses, corner, face, side, doubled, one_sided = _match_half_edges(F, low[order], high[order], order)
-    edges = np.column_stack([a, b])
-    fans = a[corner == np.arange(len(corner))]  # one corner of each fan of triangles
-    many = np.flatnonzero(np.bincount(fans, minlength=n) > 1)
+def defects(F: np.ndarray, opposite: np.ndarray) -> Defects:
+    """Defects of triangles ``F`` (m, 3), each with three distinct corners.
+
+    ``opposite`` (m, 3) are their :func:`.opposite_half_edges`.
+    """
+    crowded, ends = crowded_half_edges(F, opposite)
+    is_first = np.ones(len(crowded) + 1, dtype=bool)  # the last one is the end
+    is_first[1:-1] = (ends[1:] != ends[:-1]).any(axis=1)
+    start = np.flatnonzero(is_first)
+    corner, face, side, doubled, one_sided = _match_half_edges(F, opposite, crowded, start)
+    fans = F.ravel()[corner == np.arange(len(corner))]  # one corner of each fan of triangles
     return Defects(
-        boundary_edges=edges[order[uses == 1]],
-        non_manifold_edges=edges[order[uses > 2]],
-        non_manifold_vertices=many,
+        boundary_edges=boundary_edges(F, opposite),
+        non_manifold_edges=ends[start[:-1]],
+        non_manifold_vertices=np.flatnonzero(np.bincount(fans) > 1),
         flipped_faces=_minority_triangles(face, side),
         duplicate_faces=np.flatnonzero(doubled),
         is_non_orientable=bool(one_sided),
@@ -65,64 +66,61 @@ def _minority_triangles(face: np.ndarray, side: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True)
-def _sorted_by(key: np.ndarray, order: np.ndarray, n: int) -> np.ndarray:
-    """``order`` sorted stably by ``key`` (k,), all keys below ``n``."""
-    start = np.zeros(n + 1, dtype=np.int64)
-    for k in key:
-        start[k + 1] += 1
-    for k in range(n):
-        start[k + 1] += start[k]
-    out = np.empty_like(order)
-    for i in order:
-        out[start[key[i]]] = i
-        start[key[i]] += 1
-    return out
-
-
-@njit(cache=True, nogil=True)
 def _match_half_edges(
-    F: np.ndarray, low: np.ndarray, high: np.ndarray, order: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool]:
-    """Match half-edges by end vertices ``low`` and ``high``, sorted by ``order``.
+    F: np.ndarray, opposite: np.ndarray, crowded: np.ndarray, start: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool]:
+    """Match half-edges across manifold edges, and across ``crowded`` ones.
+
+    ``crowded`` are half-edges ``3 t + c``, sorted by edge; those of edge ``k`` begin at ``start[k]``.
 
     Returns
     -------
-    uses : (3 m,) int array
-        For the first half of every edge how many there are; 0 for the others.
     corner : (3 m,) int array
-        For every corner one that stands for all that edges join it with.
+        A union-find forest of the corners that edges join.
     face, side : (m,) int arrays
         For every triangle one that stands for all it hangs together with, and whether it looks the other way.
     doubled : (m,) bool array
     one_sided : bool
     """
     m = len(F)
-    uses = np.zeros(3 * m, dtype=np.int64)
-    corner, face = np.arange(3 * m), np.arange(m)
-    side, doubled, one_sided = np.zeros(m, dtype=np.int64), np.zeros(m, dtype=np.bool_), False
-    begin = 0
-    while begin < 3 * m:
-        end = begin + 1
-        while end < 3 * m and low[end] == low[begin] and high[end] == high[begin]:
-            end += 1
-        uses[begin] = end - begin
-        for i in range(begin + 1, end):
-            s, c = order[i] // 3, order[i] % 3
-            for j in range(max(begin, i - _MOST_AT_AN_EDGE), i):
-                t, d = order[j] // 3, order[j] % 3
-                same_way = F[s, c] == F[t, d]
-                join(corner, 3 * s + c, 3 * t + (d if same_way else (d + 1) % 3))
-                join(corner, 3 * s + (c + 1) % 3, 3 * t + ((d + 1) % 3 if same_way else d))
-                if F[s, (c + 2) % 3] == F[t, (d + 2) % 3]:
-                    doubled[max(s, t)] = True
-                elif end - begin == 2:
-                    one_sided |= not _unite_triangles(face, side, s, t, same_way)
-        begin = end
-    for k in range(3 * m):
-        corner[k] = root(corner, k)
-    for k in range(m):
-        face[k], side[k] = _root_and_side(face, side, k)
-    return uses, corner, face, side, doubled, one_sided
+    corner, face = np.arange(3 * m, dtype=np.int32), np.arange(m, dtype=np.int32)
+    side, doubled, one_sided = np.zeros(m, dtype=np.int8), np.zeros(m, dtype=np.bool_), False
+    for g in range(3 * m):
+        h = opposite[g // 3, g % 3]
+        if h > g:
+            same_way, has_same_corners = _join_corners(F, corner, g, h)
+            if has_same_corners:
+                doubled[max(g, h) // 3] = True
+            else:
+                one_sided |= not _unite_triangles(face, side, g // 3, h // 3, same_way)
+    for k in range(len(start) - 1):
+        for i in range(start[k] + 1, start[k + 1]):
+            for j in range(max(start[k], i - _MOST_AT_AN_EDGE), i):
+                _, has_same_corners = _join_corners(F, corner, crowded[j], crowded[i])
+                if has_same_corners:
+                    doubled[crowded[i] // 3] = True
+    for t in range(m):
+        face[t], side[t] = _root_and_side(face, side, t)
+    return corner, face, side, doubled, one_sided
+
+
+@njit(cache=True, nogil=True)
+def _join_corners(F: np.ndarray, corner: np.ndarray, g: int, h: int) -> tuple[bool, bool]:
+    """Join the corners at the ends of two half-edges ``3 t + c`` of one edge.
+
+    Returns
+    -------
+    same_way : bool
+        Whether both run in the same direction.
+    has_same_corners : bool
+        Whether the triangles have the same corners.
+    """
+    s, c, t, d = g // 3, g % 3, h // 3, h % 3
+    after_c, after_d = (c + 1) % 3, (d + 1) % 3
+    same_way = F[s, c] == F[t, d]
+    join(corner, g, h if same_way else 3 * t + after_d)
+    join(corner, 3 * s + after_c, 3 * t + after_d if same_way else h)
+    return same_way, F[s, 3 - c - after_c] == F[t, 3 - d - after_d]
 
 
 @njit(cache=True, nogil=True)

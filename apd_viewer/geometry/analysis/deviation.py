@@ -16,7 +16,8 @@ from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.arrays import diagonal
-from apd_viewer.geometry.mesh.operators import boundary_vertices, face_areas, vertex_areas, vertex_neighbours
+from apd_viewer.geometry.mesh.edges_and_components import boundary_vertices
+from apd_viewer.geometry.mesh.operators import face_areas, vertex_areas, vertex_neighbours
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
 from apd_viewer.geometry.picking.bounding_hierarchy import BoundingVolumeHierarchy, bounding_hierarchy
 

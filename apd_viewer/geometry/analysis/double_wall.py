@@ -6,9 +6,14 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size
-from apd_viewer.geometry.mesh.components import join, opposite_half_edges, root
+from apd_viewer.geometry.mesh.edges_and_components import (
+    join,
+    missing_volume_reason,
+    opposite_half_edges,
+    root,
+)
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
-from apd_viewer.geometry.mesh.operators import missing_volume_reason, volume
+from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.geometry.picking.picking import block_boxes, ray_hit
 
 # Largest wall thickness in mesh diagonals: 0.009 for a 1 mm cup, 0.04 thick glass, 0.12 a bottle's body.
@@ -173,9 +178,10 @@ def _inner_side(V: np.ndarray, T: np.ndarray, areas: np.ndarray, thickness: floa
 
 def _side_volume(V: np.ndarray, T: np.ndarray) -> tuple[float, int]:
     """Signed volume of a side with capped rims, and their number; NaN if not planar."""
-    if missing_volume_reason(T, len(V)) is None:
+    opposite = opposite_half_edges(T, len(V))
+    if missing_volume_reason(T, opposite) is None:
         return volume(V, T), 0
-    caps = Caps.from_triangles(T, len(V))
+    caps = Caps.from_triangles(T, opposite)
     inside = capped_volume(caps, V, T)
     if caps is None or inside is None:
         return np.nan, 0

@@ -16,10 +16,11 @@ from apd_viewer.geometry.analysis.mesh_findings import (
     vertex_findings,
 )
 from apd_viewer.geometry.analysis.shape_check import double_wall_findings, seam_findings
-from apd_viewer.geometry.mesh.components import vertex_components
+from apd_viewer.geometry.mesh.arrays import extents
+from apd_viewer.geometry.mesh.edges_and_components import missing_volume_reason, vertex_components
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.operators import face_areas, missing_volume_reason, volume
+from apd_viewer.geometry.mesh.operators import face_areas, volume
 from apd_viewer.language import tr
 
 
@@ -67,19 +68,19 @@ class Inspection:
 def inspect(mesh: Mesh) -> Inspection:
     """Inspect the undeformed mesh as read from its file."""
     first, inverse = mesh.weld.first, mesh.weld.inverse
-    F = inverse[mesh.F]
-    why = missing_volume_reason(F, len(first))
-    caps = Caps.from_triangles(F, len(first)) if why else None
+    F, opposite = inverse[mesh.F], mesh.opposite_half_edges
+    why = missing_volume_reason(F, opposite)
+    caps = Caps.from_triangles(F, opposite) if why else None
     capped = capped_volume(caps, mesh.V[first], F)
     inside = None if why else volume(mesh.V, mesh.F)
     areas = face_areas(mesh.V, mesh.F)
     piece = vertex_components(F, len(first))
     wall = None if inside is None else double_wall(mesh.V[first], F, piece[F[:, 0]], areas, inside)
-    dx, dy, dz = (float(extent) for extent in np.ptp(mesh.V, axis=0))
+    dx, dy, dz = (float(extent) for extent in extents(mesh.V))
     return Inspection(
         vertices=len(mesh.V),
         faces=len(mesh.F),
-        components=len(np.unique(piece[F[:, 0]])),
+        components=int(np.count_nonzero(np.bincount(piece[F[:, 0]]))),
         area=float(areas.sum()),
         volume=inside,
         missing_volume_reason=why,

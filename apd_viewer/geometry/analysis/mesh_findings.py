@@ -9,6 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.defects import defects
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.edges_and_components import opposite_half_edges
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import aspect_ratios
 from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, WELD_TOLERANCE
@@ -138,9 +139,11 @@ def uneven_sentence(aspects: np.ndarray, areas: np.ndarray) -> str:
 
 def topology_findings(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
     """Findings about topology: edges, borders, orientation."""
-    first = mesh.weld.first
+    first, n, opposite = mesh.weld.first, len(mesh.weld.first), mesh.opposite_half_edges
     proper = np.flatnonzero((F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0]))
-    found = defects(F[proper], len(first))
+    if len(proper) < len(F):
+        opposite = frozen(opposite_half_edges(F[proper], n))
+    found = defects(F[proper], opposite)
     if n := len(found.duplicate_faces):
         sentence = trn(
             "{n:,} duplicate face; its area counts twice.",
@@ -189,14 +192,14 @@ def orientation_findings(signed_volume: float | None, area: float) -> Iterator[F
 
 def component_findings(mesh: Mesh, F: np.ndarray, component: np.ndarray) -> Iterator[Finding]:
     """Finding about separate connected components."""
-    names, sizes = np.unique(component[F[:, 0]], return_counts=True)
-    if len(names) > 1:
-        others = np.setdiff1d(names, names[np.argmax(sizes)])
-        vertices = mesh.F[np.isin(component[F[:, 0]], others)]
+    of_face = component[F[:, 0]]
+    sizes = np.bincount(of_face)
+    if (count := np.count_nonzero(sizes)) > 1:
+        vertices = mesh.F[of_face != np.argmax(sizes)]
         sentence = tr(
             "{n:,} connected parts; those without base or handle go along with the nearest surface."
         )
-        yield Finding.at_vertices(SEPARATE_COMPONENTS, sentence.format(n=len(names)), vertices)
+        yield Finding.at_vertices(SEPARATE_COMPONENTS, sentence.format(n=count), vertices)
 
 
 def size_findings(mesh: Mesh) -> Iterator[Finding]:

@@ -9,6 +9,7 @@ from apd_viewer.geometry.analysis.double_wall import DoubleWall
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.mesh_findings import Finding
 from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.mesh.arrays import extents
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.seams import Seams
 from apd_viewer.geometry.pose.held_turn import HandleTurns, HeldTurn
@@ -49,7 +50,7 @@ class ShapeCheck(NamedTuple):
 def check_shape(U: np.ndarray, F: np.ndarray, handle_turns: HandleTurns | None = None) -> ShapeCheck:
     """Check the shape ``U`` (n, 3) of the triangles ``F`` (m, 3) and its handle turns."""
     points = U[np.unique(F)]
-    dx, dy, dz = np.ptp(points, axis=0).tolist()
+    dx, dy, dz = extents(points).tolist()
     turns: tuple[HeldTurn, ...] = ()
     if handle_turns is not None:
         from apd_viewer.geometry.pose.surface_turns import held_turns  # Imported here: it loads SciPy.
@@ -64,7 +65,7 @@ SEAMS = "open seams"
 
 def seam_findings(mesh: Mesh) -> Iterator[Finding]:
     """Findings about weldable seams and about T-junctions."""
-    found = Seams.from_mesh(mesh.V, mesh.F, mesh.weld)
+    found = Seams.from_mesh(mesh.V, mesh.F, mesh.weld, mesh.opposite_half_edges)
     if found.weldable_sentence:
         yield Finding.at_vertices(SEAMS, found.weldable_sentence, found.edges)
     if found.unweldable_sentence:

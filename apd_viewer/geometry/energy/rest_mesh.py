@@ -11,10 +11,11 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import diagonal, local_origin, mesh_arrays
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen, local_origin, mesh_arrays
 from apd_viewer.geometry.mesh.decimation import Decimation
+from apd_viewer.geometry.mesh.edges_and_components import missing_volume_reason, opposite_half_edges
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
-from apd_viewer.geometry.mesh.operators import face_areas, missing_volume_reason
+from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.seams import Seams
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, edge_lengths, shape_readings
 from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, Weld
@@ -107,12 +108,16 @@ class RestMesh:
     @cached_property
     def seams(self) -> Seams:
         """Unjoined coincident boundary edges."""
-        return Seams.from_mesh(self.V, self.F, self.weld)
+        return Seams.from_mesh(self.V, self.F, self.weld, self._opposite_half_edges)
 
     @cached_property
     def missing_volume_reason(self) -> str | None:
         """Reason for an undefined volume, as a phrase; None if the mesh encloses one."""
-        return missing_volume_reason(self.solve_mesh.F, len(self.solve_mesh.V))
+        return missing_volume_reason(self.solve_mesh.F, self._opposite_half_edges)
+
+    @cached_property
+    def _opposite_half_edges(self) -> np.ndarray:
+        return frozen(opposite_half_edges(self.solve_mesh.F, len(self.solve_mesh.V)))
 
     @cached_property
     def volume(self) -> float | None:
@@ -123,7 +128,7 @@ class RestMesh:
     @cached_property
     def caps(self) -> Caps | None:
         """Caps of the openings; None if absent or unable to close the mesh."""
-        caps = Caps.from_triangles(self.solve_mesh.F, len(self.solve_mesh.V))
+        caps = Caps.from_triangles(self.solve_mesh.F, self._opposite_half_edges)
         return caps if capped_volume(caps, self.solve_mesh.V, self.solve_mesh.F) is not None else None
 
     @property

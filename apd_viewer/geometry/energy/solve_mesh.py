@@ -20,13 +20,13 @@ import scipy.sparse as sp
 from apd_viewer.geometry.energy import arap_cells
 from apd_viewer.geometry.energy.bending import Bending
 from apd_viewer.geometry.linalg.parallel_ops import inner_product
-from apd_viewer.geometry.mesh.components import vertex_components
 from apd_viewer.geometry.mesh.decimation import (
     Decimation,
     coarse_neighbours,
     decimated_mesh,
     mean_edge_length,
 )
+from apd_viewer.geometry.mesh.edges_and_components import vertex_components
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import edge_weights, face_areas, laplacian, vertex_areas
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch

@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import dijkstra
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 from apd_viewer.geometry.mesh.arrays import mesh_arrays
-from apd_viewer.geometry.mesh.components import opposite_half_edges, vertex_components
+from apd_viewer.geometry.mesh.edges_and_components import opposite_half_edges, vertex_components
 from apd_viewer.language import tr
 
 # Barycentric distance at which a point counts as a corner: slivers around it would spoil the angles.

@@ -6,7 +6,7 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.arrays import checked_direction, checked_point, mesh_arrays
-from apd_viewer.geometry.mesh.components import vertex_components
+from apd_viewer.geometry.mesh.edges_and_components import vertex_components
 
 
 class PlaneSection(NamedTuple):

@@ -12,16 +12,16 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.double_wall import inner_surface
 from apd_viewer.geometry.measuring.sections import projected_areas, volume_below_level
 from apd_viewer.geometry.mesh.arrays import as_float, checked_direction, checked_floats, checked_integers
-from apd_viewer.geometry.mesh.components import vertex_components
-from apd_viewer.geometry.mesh.hole_caps import Caps
-from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.operators import (
+from apd_viewer.geometry.mesh.edges_and_components import (
     boundary_vertices,
     edge_defect_counts,
-    face_areas,
     missing_volume_reason,
-    volume,
+    opposite_half_edges,
+    vertex_components,
 )
+from apd_viewer.geometry.mesh.hole_caps import Caps
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import face_areas, volume
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.language import tr
 
@@ -116,7 +116,7 @@ class Vessel:
 
     def _stand(self, V: np.ndarray, F: np.ndarray, up: np.ndarray, closed: np.ndarray) -> None:
         F, is_open = _wet_surface(V, F)
-        if len(closed) and (caps := Caps.from_triangles(F, len(V))) is not None:
+        if len(closed) and (caps := _caps(V, F)) is not None:
             is_closed = caps.at(closed)
             V, F = caps.closed_surface(V, F, is_closed)
             is_open = not is_closed.all()
@@ -192,9 +192,13 @@ class Vessel:
 def vessel_openings(V: np.ndarray, F: np.ndarray) -> Caps | None:
     """Openings of the surface that liquid can wet, without seams; None without any."""
     try:
-        return Caps.from_triangles(_wet_surface(V, F)[0], len(V))
+        return _caps(V, _wet_surface(V, F)[0])
     except InputError:
         return None
+
+
+def _caps(V: np.ndarray, F: np.ndarray) -> Caps | None:
+    return Caps.from_triangles(F, opposite_half_edges(F, len(V)))
 
 
 def _welded(U: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray, Weld]:
@@ -211,9 +215,10 @@ def _wet_surface(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, bool]:
     InputError
         If it leaks.
     """
-    border, crowded, one_way = edge_defect_counts(F, len(V))
+    opposite = opposite_half_edges(F, len(V))
+    border, crowded, one_way = edge_defect_counts(F, opposite)
     if crowded or one_way:
-        why = missing_volume_reason(F, len(V))
+        why = missing_volume_reason(F, opposite)
         raise InputError(tr("It cannot be filled: {why}; repair it first.").format(why=why))
     if border:
         return F, True

@@ -30,7 +30,19 @@ def frozen(array: np.ndarray) -> np.ndarray:
 
 def diagonal(points: np.ndarray) -> float:
     """Diagonal of the bounding box of points (k, 3), possibly repeated."""
-    return float(np.linalg.norm(np.ptp(points, axis=0)))
+    return float(np.linalg.norm(extents(points)))
+
+
+def extents(points: np.ndarray) -> np.ndarray:
+    """Extents (3,) of points (k, 3) along x, y and z."""
+    low, high = bounding_box(points)
+    return high - low
+
+
+def bounding_box(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest coordinates (3,) of points (k, 3)."""
+    # One coordinate after the other: NumPy is slow across rows of three.
+    return np.array([x.min() for x in points.T]), np.array([x.max() for x in points.T])
 
 
 def mesh_size(V: np.ndarray, F: np.ndarray) -> float:
@@ -46,7 +58,7 @@ def local_origin(points: np.ndarray) -> np.ndarray:
     A multiple of a power of two, at least four times the diagonal: subtracting and adding it rounds nothing
     but the last bit, and what lies about the origin keeps its coordinates.
     """
-    low, high = 0.5 * points.min(axis=0), 0.5 * points.max(axis=0)  # halved, as the full size may overflow
+    low, high = (0.5 * corner for corner in bounding_box(points))  # halved, as the full size may overflow
     half = float((high - low).max())
     if not half > 0.0:
         return np.zeros(3)

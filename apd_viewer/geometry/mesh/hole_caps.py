@@ -6,9 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import diagonal, frozen
-from apd_viewer.geometry.mesh.components import vertex_components
-from apd_viewer.geometry.mesh.operators import edge_defect_counts, volume
+from apd_viewer.geometry.mesh.arrays import frozen, mesh_size
+from apd_viewer.geometry.mesh.edges_and_components import (
+    boundary_edges,
+    edge_defect_counts,
+    vertex_components,
+)
+from apd_viewer.geometry.mesh.operators import volume
 
 # Fraction of the cubed diagonal: a smaller volume is the rounding error of a flat sheet.
 _FLAT = 1e-9
@@ -37,18 +41,15 @@ class Caps:
     start: np.ndarray
 
     @classmethod
-    def from_triangles(cls, F: np.ndarray, n: int) -> Caps | None:
-        """Caps of the triangles ``F`` (m, 3); None if closed, or other defects exist."""
-        border, crowded, one_way = edge_defect_counts(F, n)
+    def from_triangles(cls, F: np.ndarray, opposite: np.ndarray) -> Caps | None:
+        """Caps of triangles ``F`` (m, 3); None if closed, or other defects exist.
+
+        ``opposite`` (m, 3) are their :func:`.opposite_half_edges`.
+        """
+        border, crowded, one_way = edge_defect_counts(F, opposite)
         if not border or crowded or one_way:
             return None
-        proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
-        a, b = proper.ravel(), np.roll(proper, -1, axis=1).ravel()
-        _, first, uses = np.unique(
-            np.minimum(a, b) * n + np.maximum(a, b), return_index=True, return_counts=True
-        )
-        alone = first[uses == 1]
-        ends = np.column_stack([b[alone], a[alone]])
+        ends = boundary_edges(F, opposite)[:, ::-1].copy()
         names, corner = np.unique(ends, return_inverse=True)
         corner = corner.reshape(-1, 2)
         opening = vertex_components(corner[:, [0, 1, 1]], len(names))[corner[:, 0]]
@@ -107,5 +108,5 @@ def capped_volume(caps: Caps | None, U: np.ndarray, F: np.ndarray) -> float | No
     if caps is None:
         return None
     inside = volume(U, F) + caps.volume(U, U[F[0, 0]])
-    least = max(_FLAT * diagonal(U[F.ravel()]) ** 3, _SHALLOW * caps.area(U) ** 1.5)
+    least = max(_FLAT * mesh_size(U, F) ** 3, _SHALLOW * caps.area(U) ** 1.5)
     return inside if abs(inside) > least else None

@@ -18,6 +18,7 @@ from apd_viewer.geometry.mesh.arrays import (
     checked_floats,
     checked_integers,
     diagonal,
+    extents,
     frozen,
     mesh_size,
 )
@@ -154,7 +155,7 @@ class Mesh:
         >>> mesh.joined_F.tolist(), mesh.welded().joined_F.tolist()
         ([[0, 1, 2], [3, 5, 4]], [[0, 1, 2], [1, 5, 2]])
         """
-        return self.welded_to(self.weld.with_seams(self.V, self.F).representative)
+        return self.welded_to(self.weld.with_seams(self.V, self.F, self.opposite_half_edges).representative)
 
     def welded_to(self, representative: np.ndarray) -> Mesh:
         """The mesh with each vertex welded to the one in ``representative`` (n,)."""
@@ -223,10 +224,20 @@ class Mesh:
         """Triangles with each vertex replaced by the first at its position."""
         return self.weld.representative[self.F]
 
+    @cached_property
+    def opposite_half_edges(self) -> np.ndarray:
+        """Opposite half-edge of each half-edge of :attr:`joined_F`, (m, 3) int32.
+
+        See :func:`.opposite_half_edges`.
+        """
+        from apd_viewer.geometry.mesh import edges_and_components  # imported here: numba takes long to load
+
+        return frozen(edges_and_components.opposite_half_edges(self.joined_F, len(self.V)))
+
     @property
     def named_lengths(self) -> dict[str, float]:
         """Lengths by name, mesh units: box sides X, Y, Z, longest side L, diagonal D."""
-        sides = dict(zip("XYZ", np.ptp(self.V, axis=0).tolist(), strict=True))
+        sides = dict(zip("XYZ", extents(self.V).tolist(), strict=True))
         return {**sides, "L": max(sides.values()), "D": diagonal(self.V)}
 
     @cached_property

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.language import tr, trn
+from apd_viewer.geometry.mesh.edges_and_components import boundary_vertices
 
 
 def vertex_neighbours(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -63,91 +63,23 @@ def vertex_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
 @njit(cache=True, nogil=True)
 def _signed_volumes(U: np.ndarray, F: np.ndarray, origin: np.ndarray) -> np.ndarray:
     volumes = np.empty(F.shape[0])
+    x, y, z = origin[0], origin[1], origin[2]
     for t in range(F.shape[0]):
-        a, b, c = U[F[t, 0]] - origin, U[F[t, 1]] - origin, U[F[t, 2]] - origin
-        volumes[t] = (
-            a[0] * (b[1] * c[2] - b[2] * c[1])
-            + a[1] * (b[2] * c[0] - b[0] * c[2])
-            + a[2] * (b[0] * c[1] - b[1] * c[0])
-        ) / 6.0
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        ax, ay, az = U[i, 0] - x, U[i, 1] - y, U[i, 2] - z
+        bx, by, bz = U[j, 0] - x, U[j, 1] - y, U[j, 2] - z
+        cx, cy, cz = U[k, 0] - x, U[k, 1] - y, U[k, 2] - z
+        volumes[t] = (ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6.0
     return volumes
 
 
 def volume(U: np.ndarray, F: np.ndarray) -> float:
     """Signed volume, cubic mesh units, positive for outward faces.
 
-    Without meaning for a surface that is not closed: see :func:`missing_volume_reason`.
+    Without meaning for a surface that is not closed: see :func:`.missing_volume_reason`.
     """
     # Measured from a vertex of the surface: far from the origin, the sum would lose digits to cancellation.
     return float(_signed_volumes(U, F, U[F[0, 0]]).sum())
-
-
-def missing_volume_reason(F: np.ndarray, n: int) -> str | None:
-    """Reason for a missing volume, as a phrase; None if the surface is closed.
-
-    A surface is closed when every edge is used once in each direction.
-    """
-    border, crowded, one_way = edge_defect_counts(F, n)
-    # Openings come last: they can be capped, whereas the defects before them cannot be repaired.
-    if crowded:
-        return trn(
-            "the surface is not manifold ({n:,} edge with more than two faces)",
-            "the surface is not manifold ({n:,} edges with more than two faces)",
-            crowded,
-        ).format(n=crowded)
-    if one_way:
-        return tr("the faces are not consistently oriented")
-    if border:
-        return trn(
-            "the surface is open ({n:,} boundary edge)", "the surface is open ({n:,} boundary edges)", border
-        ).format(n=border)
-    return None
-
-
-@njit(cache=True, nogil=True)
-def edge_defect_counts(F: np.ndarray, n: int) -> tuple[int, int, int]:
-    """Counts of border, non-manifold and inconsistently oriented edges.
-
-    Triangles with a corner twice do not count.
-    """
-    start = np.zeros(n + 1, dtype=np.int64)
-    for t in range(len(F)):
-        if F[t, 0] != F[t, 1] and F[t, 1] != F[t, 2] and F[t, 2] != F[t, 0]:
-            for c in range(3):
-                start[min(F[t, c], F[t, (c + 1) % 3]) + 1] += 1
-    for v in range(n):
-        start[v + 1] += start[v]
-    # Edges grouped by lower end; the sign of the upper end encodes the direction.
-    following, upper = start[:-1].copy(), np.empty(start[n], dtype=np.int64)
-    for t in range(len(F)):
-        if F[t, 0] != F[t, 1] and F[t, 1] != F[t, 2] and F[t, 2] != F[t, 0]:
-            for c in range(3):
-                a, b = F[t, c], F[t, (c + 1) % 3]
-                upper[following[min(a, b)]] = b if a < b else -a
-                following[min(a, b)] += 1
-    border = crowded = one_way = 0
-    uses, forward = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
-    for v in range(n):
-        for e in range(start[v], start[v + 1]):
-            uses[abs(upper[e])] += 1
-            forward[abs(upper[e])] += upper[e] > 0
-        for e in range(start[v], start[v + 1]):
-            w = abs(upper[e])
-            border += uses[w] == 1
-            crowded += uses[w] > 2
-            one_way += uses[w] == 2 and forward[w] != 1
-            uses[w] = forward[w] = 0
-    return border, crowded, one_way
-
-
-def boundary_vertices(F: np.ndarray, n: int) -> np.ndarray:
-    """Vertices of border edges, ascending."""
-    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    edge = a != b
-    low, high = np.minimum(a, b)[edge].astype(np.int64), np.maximum(a, b)[edge].astype(np.int64)
-    keys, uses = np.unique(low * n + high, return_counts=True)
-    border = keys[uses == 1]
-    return np.unique(np.concatenate([border // n, border % n]))
 
 
 @njit(cache=True, nogil=True)
@@ -268,13 +200,19 @@ def element_laplacian(cot: np.ndarray, F: np.ndarray, n: int) -> sp.csr_array:
 _STEPS = 30
 
 
+@njit(cache=True, nogil=True)
 def aspect_ratios(V: np.ndarray, F: np.ndarray, areas: np.ndarray) -> np.ndarray:
     """Longest edges over heights (m,) of triangles ``F`` (m, 3); 0 without area."""
-    longest = np.zeros(len(F))
-    for k in range(3):
-        edge = V[F[:, k]] - V[F[:, k - 1]]
-        np.maximum(longest, np.einsum("ij,ij->i", edge, edge), out=longest)
-    return np.divide(longest, 2.0 * areas, out=np.zeros(len(F)), where=areas > 0.0)
+    ratios = np.zeros(len(F))
+    for t in range(len(F)):
+        longest = 0.0
+        for c in range(3):
+            i, j = F[t, c], F[t, (c + 1) % 3]
+            x, y, z = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
+            longest = max(longest, x * x + y * y + z * z)
+        if areas[t] > 0.0:
+            ratios[t] = longest / (2.0 * areas[t])
+    return ratios
 
 
 def total_curvature(V: np.ndarray, F: np.ndarray) -> float:

@@ -7,13 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import mesh_size
-from apd_viewer.geometry.mesh.weld import (
-    MOST_EDGE_SHARE,
-    SEAM_TOLERANCE,
-    Weld,
-    boundary_edges,
-    shortest_edge_lengths,
-)
+from apd_viewer.geometry.mesh.edges_and_components import boundary_edges, opposite_half_edges
+from apd_viewer.geometry.mesh.weld import MOST_EDGE_SHARE, SEAM_TOLERANCE, Weld, shortest_edge_lengths
 from apd_viewer.language import trn
 
 
@@ -35,18 +30,21 @@ class Seams(NamedTuple):
     joints: np.ndarray
 
     @classmethod
-    def from_mesh(cls, V: np.ndarray, F: np.ndarray, weld: Weld) -> Seams:
-        """Seams of positions ``V`` (n, 3) and triangles ``F`` (m, 3) with their ``weld``."""
+    def from_mesh(cls, V: np.ndarray, F: np.ndarray, weld: Weld, opposite: np.ndarray) -> Seams:
+        """Seams of positions ``V`` (n, 3) and triangles ``F`` (m, 3) with their ``weld``.
+
+        ``opposite`` (m, 3) are the :func:`.opposite_half_edges` of the welded triangles.
+        """
         corners, n = weld.representative[F], len(V)
-        edges = boundary_edges(corners, n)
+        edges = boundary_edges(corners, opposite)
         if not len(edges):
             return cls(edges, 0.0, edges[:, 0])
-        wider = weld.with_seams(V, F)
+        wider = weld.with_seams(V, F, opposite)
         if len(wider.first) == len(weld.first):
             return cls(edges[:0], 0.0, _joints(V, edges, corners))
         onto = wider.representative
         ends, corners = np.sort(onto[edges], axis=1), onto[corners]
-        left = boundary_edges(corners, n)
+        left = np.sort(boundary_edges(corners, opposite_half_edges(corners, n)), axis=1)
         meets = ~np.isin(ends[:, 0] * n + ends[:, 1], left[:, 0] * n + left[:, 1])
         moved = edges[meets].ravel()
         gap = float(np.linalg.norm(V[moved] - V[onto[moved]], axis=1).max(initial=0.0))

@@ -53,27 +53,32 @@ class Weld:
 
         The ``tolerance`` is that of borders, in bounding-box diagonals.
         """
-        order = np.lexsort((np.arange(len(V)), V[:, 2], V[:, 1], V[:, 0]))
-        new = np.ones(len(V), dtype=bool)
-        new[1:] = (V[order[1:]] != V[order[:-1]]).any(axis=1)
-        leader = order[np.flatnonzero(new)[np.cumsum(new) - 1]]
-        representative = np.empty(len(V), dtype=np.int64)
-        representative[order] = leader
+        representative = _representatives_of_positions(V)
         if F is not None:
-            representative = _representatives_across_cracks(V, F, representative, tolerance)
+            # Imported here, as numba takes long to load.
+            from apd_viewer.geometry.mesh.edges_and_components import opposite_half_edges
+
+            corners = representative[F]
+            opposite = opposite_half_edges(corners, len(V))
+            onto = _representatives_across_cracks(V, corners, opposite, tolerance)
+            representative = representative if onto is None else onto[representative]
         return cls.from_representatives(V, representative)
 
     @classmethod
     def from_representatives(cls, V: np.ndarray, representative: np.ndarray) -> Weld:
         """Weld each of the positions ``V`` (n, 3) to its representative."""
-        first, inverse = np.unique(representative, return_inverse=True)
-        return cls.from_maps(V, first, inverse)
+        is_first = np.zeros(len(V), dtype=bool)
+        is_first[representative] = True
+        return cls.from_maps(V, np.flatnonzero(is_first), (np.cumsum(is_first) - 1)[representative])
 
-    def with_seams(self, V: np.ndarray, F: np.ndarray) -> Weld:
-        """The weld, also joining boundaries within :data:`SEAM_TOLERANCE`."""
-        return Weld.from_representatives(
-            V, _representatives_across_cracks(V, F, self.representative, SEAM_TOLERANCE)
-        )
+    def with_seams(self, V: np.ndarray, F: np.ndarray, opposite: np.ndarray) -> Weld:
+        """The weld, also joining boundaries within :data:`SEAM_TOLERANCE`.
+
+        ``opposite`` (m, 3) are the :func:`.opposite_half_edges` of the welded triangles.
+        """
+        corners = self.representative[F]
+        onto = _representatives_across_cracks(V, corners, opposite, SEAM_TOLERANCE)
+        return self if onto is None else Weld.from_representatives(V, onto[self.representative])
 
     @classmethod
     def from_maps(cls, V: np.ndarray, first: np.ndarray, inverse: np.ndarray) -> Weld:
@@ -126,14 +131,38 @@ class Weld:
         return spread
 
 
-def boundary_edges(corners: np.ndarray, n: int) -> np.ndarray:
-    """Edges (b, 2) of exactly one triangle of ``corners`` (m, 3), IDs below ``n``."""
-    key = _edge_keys(corners, n)
-    key.sort()
-    alone = np.ones(len(key), dtype=bool)
-    alone[1:] &= key[1:] != key[:-1]
-    alone[:-1] &= key[:-1] != key[1:]
-    return np.column_stack([key[alone] // n, key[alone] % n])
+def _representatives_of_positions(V: np.ndarray) -> np.ndarray:
+    """Lowest vertex at the position of each vertex of ``V`` (n, 3), (n,)."""
+    order = _order_of_positions(V)
+    is_new = np.ones(len(V), dtype=bool)
+    is_new[1:] = _are_apart(V, order)
+    representative = np.empty(len(V), dtype=np.int64)
+    representative[order] = np.minimum.reduceat(order, np.flatnonzero(is_new))[np.cumsum(is_new) - 1]
+    return representative
+
+
+def _order_of_positions(V: np.ndarray) -> np.ndarray:
+    """Order (n,) of the vertices ``V`` (n, 3) in which equal positions are adjacent."""
+    bits = (V + 0.0).view(np.uint64)  # adding zero makes a negative zero positive
+    key = np.zeros(len(V), dtype=np.uint64)
+    for column in bits.T:
+        key ^= column
+        key *= np.uint64(0x9E3779B97F4A7C15)  # odd and irregular: Knuth's multiplicative hashing
+        key ^= key >> np.uint64(32)
+    order = np.argsort(key)
+    of_one_key = key[order[1:]] == key[order[:-1]]
+    if (of_one_key & _are_apart(V, order)).any():  # two positions with one key may alternate
+        return np.lexsort(V.T)
+    return order
+
+
+def _are_apart(V: np.ndarray, order: np.ndarray) -> np.ndarray:
+    """Mask (n - 1,) of vertices in ``order`` (n,) with another position after them."""
+    apart = np.zeros(len(V) - 1, dtype=bool)
+    for x in V.T:
+        along = x[order]
+        apart |= along[1:] != along[:-1]
+    return apart
 
 
 def _edge_keys(corners: np.ndarray, n: int) -> np.ndarray:
@@ -144,24 +173,31 @@ def _edge_keys(corners: np.ndarray, n: int) -> np.ndarray:
 
 
 def _representatives_across_cracks(
-    V: np.ndarray, F: np.ndarray, representative: np.ndarray, tolerance: float
-) -> np.ndarray:
-    """Representatives with border vertices joined across cracks, but never neighbours."""
-    corners, n = representative[F], len(V)
-    edges = boundary_edges(corners, n)
+    V: np.ndarray, corners: np.ndarray, opposite: np.ndarray, tolerance: float
+) -> np.ndarray | None:
+    """Representatives (n,) of border vertices across cracks; None without cracks.
+
+    Neighbours in the triangles ``corners`` (m, 3) are never joined.
+    """
+    # Imported here, as numba takes long to load.
+    from apd_viewer.geometry.mesh.edges_and_components import boundary_edges
+
+    edges, n = boundary_edges(corners, opposite), len(V)
     if not len(edges):
-        return representative
+        return None
     from scipy.spatial import KDTree  # imported here: slow, and most meshes have no cracks
 
     border = np.unique(edges)
-    pairs = border[KDTree(V[border]).query_pairs(tolerance * mesh_size(V, F), output_type="ndarray")]
+    pairs = border[KDTree(V[border]).query_pairs(tolerance * mesh_size(V, corners), output_type="ndarray")]
     gap = np.linalg.norm(V[pairs[:, 0]] - V[pairs[:, 1]], axis=1)
     room = MOST_EDGE_SHARE * shortest_edge_lengths(V, edges)[pairs].min(axis=1)
     pairs, gap = pairs[gap <= room], gap[gap <= room]
+    if not len(pairs):
+        return None
     at_border = np.zeros(n, dtype=bool)
     at_border[border] = True
-    between = _edge_keys(corners[at_border[corners].sum(axis=1) > 1], n)
-    return _cluster_leaders(pairs[np.argsort(gap, kind="stable")], set(between.tolist()), n)[representative]
+    between = _edge_keys(corners[np.count_nonzero(at_border[corners], axis=1) > 1], n)
+    return _cluster_leaders(pairs[np.argsort(gap, kind="stable")], set(between.tolist()), n)
 
 
 def shortest_edge_lengths(V: np.ndarray, edges: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.components import BOUNDARY, _normal, join, root
+from apd_viewer.geometry.mesh.edges_and_components import BOUNDARY, _normal, join, root
 from apd_viewer.geometry.mesh.normals import CornerNormals
 
 _NONE = frozen(np.empty((0, 3, 3), dtype=np.float32))

@@ -15,7 +15,7 @@ from numba import prange
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.components import flood_fill, opposite_half_edges
+from apd_viewer.geometry.mesh.edges_and_components import flood_fill, opposite_half_edges
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.bounding_hierarchy import (
@@ -165,6 +165,8 @@ class SurfaceIndex:
         Whether a triangle has the vertex.
     start, neighbour : int32 arrays
         The one-rings across seams: see :func:`apd_viewer.geometry.mesh.operators.vertex_neighbours`.
+    opposite : (m, 3) int32 array
+        The :func:`.opposite_half_edges` of ``joined``.
     smooth, sharp : RenderMesh
         What is drawn, without and with the sharp edges of the rest shape.
     file_shaded : RenderMesh or None
@@ -177,6 +179,7 @@ class SurfaceIndex:
     used: np.ndarray
     start: np.ndarray
     neighbour: np.ndarray
+    opposite: np.ndarray
     smooth: RenderMesh
     sharp: RenderMesh
     file_shaded: RenderMesh | None = None
@@ -189,6 +192,7 @@ class SurfaceIndex:
         joined_F: np.ndarray | None = None,
         V: np.ndarray | None = None,
         normals: CornerNormals | None = None,
+        opposite: np.ndarray | None = None,
     ) -> SurfaceIndex:
         """Index of the triangles ``F`` (m, 3) of ``n`` vertices.
 
@@ -202,6 +206,8 @@ class SurfaceIndex:
             The rest shape, for its sharp edges.
         normals : CornerNormals, optional
             Those of the file.
+        opposite : (m, 3) int32 array, optional
+            The :func:`.opposite_half_edges` of ``joined_F``, where they are known already.
         """
         own = np.array(F, dtype=np.int32, order="C")
         joined, source = own, np.empty(0, dtype=np.int32)
@@ -212,11 +218,13 @@ class SurfaceIndex:
         used = np.zeros(n, dtype=bool)
         used[own] = True
         own, joined, source, used = map(frozen, (own, joined, source, used))
+        if opposite is None:
+            opposite = frozen(opposite_half_edges(joined, n))
         smooth = RenderMesh(own, frozen(np.empty(0, dtype=np.int32)), joined, joined, source, used)
-        sharp = smooth if V is None else smooth.with_sharp_edges(V, opposite_half_edges(joined, n))
+        sharp = smooth if V is None else smooth.with_sharp_edges(V, opposite)
         start, neighbour = map(frozen, vertex_neighbours(joined, n))
         filed = None if normals is None else smooth.with_normals(normals)
-        return cls(own, joined, source, used, start, neighbour, smooth, sharp, filed)
+        return cls(own, joined, source, used, start, neighbour, opposite, smooth, sharp, filed)
 
     @cached_property
     def representative_vertices(self) -> np.ndarray:
@@ -266,7 +274,7 @@ class SurfaceIndex:
 
     def vertices_up_to_creases(self, U: np.ndarray, face: int, crease: float) -> np.ndarray:
         """Vertices around a face, up to creases sharper than ``crease`` radians."""
-        return np.flatnonzero(flood_fill(self.joined, self._opposite_half_edges, U, face, crease))
+        return np.flatnonzero(flood_fill(self.joined, self.opposite, U, face, crease))
 
     def component(self, face: int) -> np.ndarray:
         """Vertices of the connected component of a face."""
@@ -275,11 +283,7 @@ class SurfaceIndex:
     def border_loop(self, face: int) -> np.ndarray:
         """Vertices of the border loop nearest to a face; empty without a border."""
         F, seeds = self.joined, self.joined[face]
-        return np.flatnonzero(border_loop(F, self._opposite_half_edges, self.start, self.neighbour, seeds))
-
-    @cached_property
-    def _opposite_half_edges(self) -> np.ndarray:
-        return opposite_half_edges(self.joined, len(self.used))
+        return np.flatnonzero(border_loop(F, self.opposite, self.start, self.neighbour, seeds))
 
     def vertices_under_brush(
         self, U: np.ndarray, faces: tuple[int, int], a: np.ndarray, b: np.ndarray, radius: float

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.components import BOUNDARY, vertex_components
+from apd_viewer.geometry.mesh.edges_and_components import boundary_edges, vertex_components
 from apd_viewer.geometry.pose.mirror import MirrorPlane
 
 # Smoothing changes nothing beyond this many rings from the border.
@@ -229,8 +229,7 @@ def border_loop(
     (n,) bool array
         Its vertices; loops that touch in a vertex are one. None if no seed is connected with a border.
     """
-    t, c = np.nonzero(opposite == BOUNDARY)
-    a, b = F[t, c], F[t, (c + 1) % 3]
+    a, b = boundary_edges(F, opposite).T
     border = np.zeros(len(start) - 1, dtype=bool)
     border[a] = border[b] = True
     reached = _vertices_within(start, neighbour, np.array(seeds, dtype=np.int64), len(border))

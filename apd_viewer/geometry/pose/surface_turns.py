@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial.transform import Rotation
 
-from apd_viewer.geometry.mesh.components import opposite_half_edges
+from apd_viewer.geometry.mesh.edges_and_components import opposite_half_edges
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.held_turn import LEAST_TURN, HeldTurn
 from apd_viewer.geometry.pose.transforms import fitted_rotation, quaternion

@@ -13,7 +13,7 @@ from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.measuring.measurement import Measurement
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.mesh.components import LooseComponent, loose_components
+from apd_viewer.geometry.mesh.edges_and_components import LooseComponent, loose_components
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import region_areas
 from apd_viewer.geometry.pose.constraints import (

@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.geometry.analysis import deviation
 from apd_viewer.geometry.energy import cell_bending
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
-from apd_viewer.geometry.mesh.components import face_components
+from apd_viewer.geometry.mesh.edges_and_components import face_components
 from apd_viewer.geometry.mesh.operators import face_areas, region_areas
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.pose import constraints

@@ -162,7 +162,9 @@ def initial_state(mesh: Mesh, labels: np.ndarray | None = None) -> State:
 
 def surface_index_of(mesh: Mesh) -> SurfaceIndex:
     """Surface index of a mesh, for drawing and picking."""
-    return SurfaceIndex.from_triangles(mesh.F, len(mesh.V), mesh.joined_F, mesh.V, mesh.corner_normals)
+    return SurfaceIndex.from_triangles(
+        mesh.F, len(mesh.V), mesh.joined_F, mesh.V, mesh.corner_normals, mesh.opposite_half_edges
+    )
 
 
 def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:

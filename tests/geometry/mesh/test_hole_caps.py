@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.edges_and_components import opposite_half_edges
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -21,6 +22,10 @@ def opened_box():
     """A box of 20 without its top, of the height 5."""
     V, F = box(2, 2, 5)
     return V, F[(V[F][:, :, 2] < 5).any(axis=1)]
+
+
+def caps_of(F):
+    return Caps.from_triangles(F, opposite_half_edges(F, F.max() + 1))
 
 
 def sewn(V, F, caps):
@@ -36,7 +41,7 @@ def sewn(V, F, caps):
 
 def test_capped_volume_of_a_box_without_its_top_is_that_of_the_box():
     V, F = opened_box()
-    caps = Caps.from_triangles(F, len(V))
+    caps = caps_of(F)
     assert caps.count == 1
     assert capped_volume(caps, V, F) == pytest.approx(20.0, rel=1e-14)
     assert capped_volume(caps, V, F[:, ::-1]) != pytest.approx(20.0)
@@ -45,7 +50,7 @@ def test_capped_volume_of_a_box_without_its_top_is_that_of_the_box():
 
 def test_caps_turn_a_tube_into_a_prism_with_two_caps():
     V, F = tube(9, 7, height=3.0)
-    caps, floor = Caps.from_triangles(F, len(V)), 9 / 2 * np.sin(2 * np.pi / 9)
+    caps, floor = caps_of(F), 9 / 2 * np.sin(2 * np.pi / 9)
     assert caps.count == 2
     assert caps.area(V) == pytest.approx(2 * floor, rel=1e-13)
     assert capped_volume(caps, V, F) == pytest.approx(sewn(V, F, caps)[0], rel=1e-13)
@@ -57,7 +62,7 @@ def test_capped_volume_of_a_wild_surface_is_that_of_the_one_with_the_caps_sewn_i
     V, F = rabbit()
     rng = np.random.default_rng(seed)
     U = (V + 0.1 * rng.normal(size=V.shape)) @ rotation(rng.normal(size=3), 2.0).T + seed * AWAY
-    caps = Caps.from_triangles(F, len(U))
+    caps = caps_of(F)
     assert caps.count == 2
     assert_allclose(capped_volume(caps, U, F), sewn(U, F, caps)[0], rtol=1e-10)
     assert caps.area(U) <= sewn(U, F, caps)[1]
@@ -68,24 +73,20 @@ def test_caps_area_of_a_cap_that_is_no_convex_polygon_is_its_own():
     V, F = box(3, 3, 2)
     middle = V[F].mean(axis=1)
     mouth = (middle[:, 2] == 2) & ((middle[:, 0] < 1) | (middle[:, 1] < 1))
-    caps = Caps.from_triangles(F[~mouth], len(V))
+    caps = caps_of(F[~mouth])
     assert caps.area(V) == pytest.approx(5.0, rel=1e-13)
     assert capped_volume(caps, V, F[~mouth]) == pytest.approx(18.0, rel=1e-13)
 
 
 def test_caps_cover_nothing_that_they_would_not_close():
     V, F = sphere(1)
-    assert Caps.from_triangles(F, len(V)) is None, "it is closed"
+    assert caps_of(F) is None, "it is closed"
     turned = F[1:].copy()
     turned[7] = turned[7, ::-1]
-    assert Caps.from_triangles(turned, len(V)) is None, "the sides differ"
-    assert Caps.from_triangles(np.vstack([F[1:], [[F[5, 0], F[5, 1], len(V)]]]), len(V) + 1) is None, (
-        "not manifold"
-    )
+    assert caps_of(turned) is None, "the sides differ"
+    assert caps_of(np.vstack([F[1:], [[F[5, 0], F[5, 1], len(V)]]])) is None, "not manifold"
     V, F = grid(4, 4)
-    assert capped_volume(Caps.from_triangles(F, len(V)), V @ rotation([1, 2, 3], 1.0).T + AWAY, F) is None, (
-        "a flat sheet"
-    )
+    assert capped_volume(caps_of(F), V @ rotation([1, 2, 3], 1.0).T + AWAY, F) is None, "a flat sheet"
 
 
 def cut(V, F, height):
@@ -116,14 +117,14 @@ VESSELS = {
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
 def test_capped_volume_of_a_vessel_is_there_at_any_scale(kind, scale):
     V, F = VESSELS[kind]()
-    found = capped_volume(caps := Caps.from_triangles(F, len(V)), scale * V, F)
+    found = capped_volume(caps := caps_of(F), scale * V, F)
     assert found == pytest.approx(scale**3 * sewn(V, F, caps)[0], rel=1e-9)
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
 def test_capped_volume_of_a_sheet_is_none_though_it_is_slightly_curved(scale):
     V, F = patch(0.03)
-    assert capped_volume(Caps.from_triangles(F, len(V)), scale * V, F) is None
+    assert capped_volume(caps_of(F), scale * V, F) is None
 
 
 def test_capped_volume_of_the_hemmed_cloth_is_none_flat_and_folded():
@@ -156,14 +157,10 @@ def test_deformation_frames_all_have_the_volume_with_the_mouth_capped():
         frame = solver.step()
         joined = Mesh(frame.U, F).joined_F
         assert frame.volume is None
-        assert frame.volume_capped == pytest.approx(
-            sewn(frame.U, joined, Caps.from_triangles(joined, len(V)))[0]
-        )
+        assert frame.volume_capped == pytest.approx(sewn(frame.U, joined, caps_of(joined))[0])
     result = deform(V, F, fixed, targets)
     assert result.volume_capped_rest == pytest.approx(20.0, rel=1e-13)
     assert result.openings == 1
     assert result.volume is None
-    assert result.volume_capped == pytest.approx(
-        sewn(result.U, joined, Caps.from_triangles(joined, len(V)))[0]
-    )
+    assert result.volume_capped == pytest.approx(sewn(result.U, joined, caps_of(joined))[0])
     assert result.volume_capped < 19.9

@@ -8,7 +8,7 @@ from meshes import box, grid, soup, sphere
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import check_mesh
-from apd_viewer.geometry.mesh.components import vertex_components
+from apd_viewer.geometry.mesh.edges_and_components import vertex_components
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.weld import Weld
 

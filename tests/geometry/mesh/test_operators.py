@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
-from meshes import box, grid, rotation, soup, sphere, tube
+from meshes import box, grid, rotation, sphere, tube
 
 from apd_viewer.geometry.mesh.operators import (
     area,
@@ -13,7 +13,6 @@ from apd_viewer.geometry.mesh.operators import (
     edge_weights,
     face_areas,
     laplacian,
-    missing_volume_reason,
     vertex_areas,
     vertex_neighbours,
     volume,
@@ -95,56 +94,6 @@ def test_volume_of_a_ball_and_its_sign():
     assert volume(V, F[:, ::-1]) == pytest.approx(-volume(V, F), rel=1e-13)
     assert volume(V * [1, 1, -1], F) == pytest.approx(-volume(V, F), rel=1e-13)
     assert volume(3 * V, F) == pytest.approx(27 * volume(V, F), rel=1e-13)
-
-
-def two_cubes():
-    V, F = CUBE
-    return np.vstack([V, V + 5.0]), np.vstack([F, F + len(V)])
-
-
-@pytest.mark.parametrize("mesh", [CUBE, sphere(1), two_cubes()])
-def test_missing_volume_reason_has_nothing_against_closed_surfaces(mesh):
-    V, F = mesh
-    assert missing_volume_reason(F, len(V)) is None
-    assert missing_volume_reason(F[:, ::-1], len(V)) is None
-
-
-def test_missing_volume_reason_takes_no_surface_for_open_because_of_a_face_without_extent():
-    V, F = CUBE
-    assert missing_volume_reason(np.vstack([F, [[0, 0, 1], [2, 2, 2]]]), len(V)) is None
-
-
-def test_missing_volume_reason_says_how_open_a_surface_is():
-    V, F = CUBE
-    assert missing_volume_reason(F[1:], len(V)) == "the surface is open (3 boundary edges)"
-    V, F = tube(7, 3)
-    assert missing_volume_reason(F, len(V)) == "the surface is open (14 boundary edges)"
-    V, F = soup(*CUBE)
-    assert missing_volume_reason(F, len(V)) == "the surface is open (36 boundary edges)"
-
-
-def test_missing_volume_reason_says_that_a_surface_with_three_faces_at_an_edge_is_not_manifold():
-    V, F = two_cubes()
-    a, b = F[0, :2]
-    glued = F.copy()
-    for mine, other in ((a, a + len(CUBE[0])), (b, b + len(CUBE[0]))):
-        glued[glued == other] = mine
-    assert "not manifold (1 edge" in missing_volume_reason(glued, len(V))
-    # A closed surface and a copy of it: every edge is used twice in either direction.
-    assert "not manifold" in missing_volume_reason(np.vstack([F, F]), len(V))
-    assert "not manifold (1 edge" in missing_volume_reason(glued[1:], len(V)), (
-        "a cap mends an opening, not this"
-    )
-
-
-def test_missing_volume_reason_notices_a_flipped_face():
-    V, F = CUBE
-    F = F.copy()
-    F[3] = F[3, ::-1]
-    assert "not consistently oriented" in missing_volume_reason(F, len(V))
-    assert "not consistently oriented" in missing_volume_reason(F[:-1], len(V)), (
-        "a cap mends an opening, not this"
-    )
 
 
 @every_mesh

@@ -9,6 +9,7 @@ import apd_viewer
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.shape_check import SEAMS
 from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.edges_and_components import opposite_half_edges
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.seams import Seams
 from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, Weld
@@ -17,7 +18,8 @@ ROWS = 12
 
 
 def seams(V, F):
-    return Seams.from_mesh(V, F, Weld.from_positions(V, F))
+    weld = Weld.from_positions(V, F)
+    return Seams.from_mesh(V, F, weld, opposite_half_edges(weld.representative[F], len(V)))
 
 
 def kinds(mesh):

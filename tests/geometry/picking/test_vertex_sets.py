@@ -9,7 +9,12 @@ from hypothesis import assume, given, strategies as st
 from meshes import box, grid, rotation, soup, sphere, tube
 from scipy.spatial import Delaunay
 
-from apd_viewer.geometry.mesh.components import BOUNDARY, NON_MANIFOLD, flood_fill, opposite_half_edges
+from apd_viewer.geometry.mesh.edges_and_components import (
+    BOUNDARY,
+    NON_MANIFOLD,
+    flood_fill,
+    opposite_half_edges,
+)
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.surface_index import SurfaceIndex

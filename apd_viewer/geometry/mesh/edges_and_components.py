@@ -1,10 +1,14 @@
-"""Connected pieces of a surface, adjacency of triangles across edges, flood fill."""
+"""Edges and components of triangles: half-edges, edge defects, flood fill.
+
+Throughout, ``F`` is an (m, 3) int array of triangles, and ``opposite`` its :func:`opposite_half_edges`.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
+from apd_viewer.language import tr, trn
 
 BOUNDARY = -1  # edge of only one triangle
 NON_MANIFOLD = -2  # edge of more than two triangles, or of one with a repeated corner
@@ -67,6 +71,94 @@ def _edges_by_lower_end(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
                 edges[start[v + 1]] = h
                 start[v + 1] += 1
     return start[:-1], edges
+
+
+def boundary_edges(F: np.ndarray, opposite: np.ndarray) -> np.ndarray:
+    """Edges (b, 2) of exactly one triangle, in its direction, by lower and higher end."""
+    ends = _half_edge_ends(F, np.flatnonzero(opposite.ravel() == BOUNDARY))
+    return ends[np.lexsort((ends.max(axis=1), ends.min(axis=1)))]
+
+
+def boundary_vertices(F: np.ndarray, n: int) -> np.ndarray:
+    """Vertices of boundary edges, ascending; ``n`` is the number of vertices."""
+    return np.unique(boundary_edges(F, opposite_half_edges(F, n)))
+
+
+def crowded_half_edges(F: np.ndarray, opposite: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Half-edges ``3 t + c`` (k,) of non-manifold edges, and the ends (k, 2) of those.
+
+    Sorted by edge, of which the lower end is named first.
+    """
+    crowded = np.flatnonzero(opposite.ravel() == NON_MANIFOLD)
+    i, j, k = F[crowded // 3].T
+    crowded = crowded[(i != j) & (j != k) & (k != i)]
+    ends = np.sort(_half_edge_ends(F, crowded), axis=1)
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    return crowded[order], ends[order]
+
+
+def _half_edge_ends(F: np.ndarray, half_edges: np.ndarray) -> np.ndarray:
+    t, c = np.divmod(half_edges, 3)
+    return np.column_stack([F[t, c], F[t, (c + 1) % 3]])
+
+
+def missing_volume_reason(F: np.ndarray, opposite: np.ndarray) -> str | None:
+    """Reason for a missing volume, as a phrase; None if the surface is closed.
+
+    A surface is closed when every edge is used once in each direction.
+    """
+    border, crowded, one_way = edge_defect_counts(F, opposite)
+    # Openings come last: they can be capped, whereas the defects before them cannot be repaired.
+    if crowded:
+        return trn(
+            "the surface is not manifold ({n:,} edge with more than two faces)",
+            "the surface is not manifold ({n:,} edges with more than two faces)",
+            crowded,
+        ).format(n=crowded)
+    if one_way:
+        return tr("the faces are not consistently oriented")
+    if border:
+        return trn(
+            "the surface is open ({n:,} boundary edge)", "the surface is open ({n:,} boundary edges)", border
+        ).format(n=border)
+    return None
+
+
+class EdgeDefectCounts(NamedTuple):
+    """Counts of defective edges; triangles with a corner twice do not count.
+
+    Attributes
+    ----------
+    border : int
+        Edges of one triangle.
+    crowded : int
+        Non-manifold edges, of more than two.
+    one_way : int
+        Edges that two triangles pass in the same direction.
+    """
+
+    border: int
+    crowded: int
+    one_way: int
+
+
+def edge_defect_counts(F: np.ndarray, opposite: np.ndarray) -> EdgeDefectCounts:
+    """Counts of border, non-manifold and inconsistently oriented edges."""
+    border, one_way = _border_and_one_way_edges(F, opposite)
+    crowded = len(np.unique(crowded_half_edges(F, opposite)[1], axis=0))
+    return EdgeDefectCounts(int(border), crowded, int(one_way))
+
+
+@njit(cache=True, nogil=True)
+def _border_and_one_way_edges(F: np.ndarray, opposite: np.ndarray) -> tuple[int, int]:
+    """Counts of edges of one triangle, and of those that two pass the same way."""
+    border = one_way = 0
+    for t in range(len(F)):
+        for c in range(3):
+            h = opposite[t, c]
+            border += h == BOUNDARY
+            one_way += h > 3 * t + c and F[h // 3, h % 3] == F[t, c]
+    return border, one_way
 
 
 @njit(cache=True, nogil=True)
