@@ -1,4 +1,4 @@
-"""From the first start after an installation to the first solved shape of a drag.
+"""From the first start after an installation to the first picture, and to the first solved shape of a drag.
 
     python tests/benchmarks/first_drag.py [--none] [PYTHON ...]
 
@@ -21,13 +21,25 @@ import os, sys, time
 from apd_viewer.__main__ import main
 from apd_viewer.ui import application
 
-sessions = []
+sessions, pictures = [], []
+
+def swapped():
+    if not pictures:
+        pictures.append(time.time())
+        print("picture", pictures[0], flush=True)
 
 def made(argv, make=application.make_application):
     made = make(argv)
     from PySide6.QtCore import QTimer
+    from apd_viewer.ui.scene.viewport import Viewport
     from apd_viewer.ui.tools.canvas import Canvas
     timer = QTimer(made, interval=5)
+
+    def open_viewport(self, *args, begin=Viewport.__init__, **named):
+        begin(self, *args, **named)
+        self.frameSwapped.connect(swapped)
+
+    Viewport.__init__ = open_viewport
 
     def look():
         if sessions[0].store.state.frame.iteration:
@@ -95,7 +107,9 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as home, tempfile.TemporaryDirectory() as kernels:
             for start in ("first", "second"):
                 found = moments(python, Path(home), **({"NUMBA_CACHE_DIR": kernels} if none else {}))
-                row = "  ".join(f"{name} {found[name]:5.1f} s" for name in ("ready", "dragged", "solved"))
+                row = "  ".join(
+                    f"{name} {found[name]:5.1f} s" for name in ("picture", "ready", "dragged", "solved")
+                )
                 print(f"{start:7} {row}  drag {found['solved'] - found['dragged']:5.2f} s", flush=True)
 
 
