@@ -57,7 +57,9 @@ class Prolongation:
         radius = _REACH * np.where(length > 0.0, length, 1.0)
         self._held = np.isin(vertices, fixed)
         self._rings = _rings_of(graph.indptr, graph.indices, _RINGS)
-        self._weights = _weights(V, X, nearest, *self._rings, radius)
+        within = V, X, nearest, *self._rings, radius * radius
+        rows = np.concatenate([[0], np.cumsum(_counts(*within))])
+        self._weights = rows, *_weights(*within, rows)
 
     def moved_positions(self, U: np.ndarray, X: np.ndarray, q: np.ndarray, moved: np.ndarray) -> np.ndarray:
         """Positions ``U`` (n, 3) after a motion of the coarse surface.
@@ -109,43 +111,62 @@ def _rings_of(start: np.ndarray, neighbour: np.ndarray, depth: int) -> tuple[np.
     return rows, found[:count].copy()
 
 
-@njit(cache=True, nogil=True)
+@parallel()
+def _counts(
+    V: np.ndarray,
+    X: np.ndarray,
+    nearest: np.ndarray,
+    start: np.ndarray,
+    ring: np.ndarray,
+    squared: np.ndarray,
+) -> np.ndarray:
+    """Numbers (n,) of the coarse vertices within whose ``squared`` radii the fine ones lie."""
+    count = np.zeros(len(V), dtype=np.int64)
+    for portion in prange((len(V) + _PORTION - 1) // _PORTION):
+        for i in range(portion * _PORTION, min(len(V), (portion + 1) * _PORTION)):
+            c = nearest[i]
+            if c >= 0:
+                within = 0
+                for e in range(start[c], start[c + 1]):
+                    k = ring[e]
+                    x, y, z = V[i, 0] - X[k, 0], V[i, 1] - X[k, 1], V[i, 2] - X[k, 2]
+                    within += x * x + y * y + z * z < squared[k]
+                count[i] = max(within, 1)
+    return count
+
+
+@parallel()
 def _weights(
     V: np.ndarray,
     X: np.ndarray,
     nearest: np.ndarray,
     start: np.ndarray,
     ring: np.ndarray,
-    radius: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Sparse rows of the weights ``(1 - d^2 / radius^2)^3``, each with the sum one."""
-    n = len(V)
-    rows = np.zeros(n + 1, dtype=np.int64)
-    node, weight = np.empty(24 * n + 64, dtype=np.int32), np.empty(24 * n + 64, dtype=np.float32)
-    count = 0
-    for i in range(n):
-        c, first, total = nearest[i], count, 0.0
-        if c >= 0:
-            most = count + start[c + 1] - start[c]
-            if most > len(node):
-                more_nodes, more = np.empty(2 * most, dtype=np.int32), np.empty(2 * most, dtype=np.float32)
-                more_nodes[:count], more[:count] = node[:count], weight[:count]
-                node, weight = more_nodes, more
+    squared: np.ndarray,
+    rows: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Sparse ``rows`` of the weights ``(1 - d^2 / radius^2)^3``, each with the sum one."""
+    node, weight = np.empty(rows[-1], dtype=np.int32), np.empty(rows[-1], dtype=np.float32)
+    for portion in prange((len(V) + _PORTION - 1) // _PORTION):
+        for i in range(portion * _PORTION, min(len(V), (portion + 1) * _PORTION)):
+            c, count, total = nearest[i], rows[i], 0.0
+            if rows[i + 1] == count:
+                continue
             for e in range(start[c], start[c + 1]):
                 k = ring[e]
                 x, y, z = V[i, 0] - X[k, 0], V[i, 1] - X[k, 1], V[i, 2] - X[k, 2]
-                s = 1.0 - (x * x + y * y + z * z) / (radius[k] * radius[k])
-                if s > 0.0:
+                distance = x * x + y * y + z * z
+                if distance < squared[k]:
+                    s = 1.0 - distance / squared[k]
                     node[count], weight[count] = k, s * s * s
                     total += s * s * s
                     count += 1
             if total == 0.0:
-                node[count], weight[count] = c, 1.0
-                total, count = 1.0, count + 1
-            for e in range(first, count):
+                node[rows[i]], weight[rows[i]] = c, 1.0
+                total = 1.0
+            for e in range(rows[i], rows[i + 1]):
                 weight[e] /= total
-        rows[i + 1] = count
-    return rows, node[:count].copy(), weight[:count].copy()
+    return node, weight
 
 
 @parallel()
