@@ -23,7 +23,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.figures.rendered_pictures import Picture, check_picture, draw_shapes, no_pictures_reason
 from apd_viewer.files.mesh_writing import check_files, check_mesh_path, check_shapes, save_mesh
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import checked_direction
+from apd_viewer.geometry.mesh.arrays import checked_direction, used_vertices
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.solver.linear_buckling import MOST_MODES, BucklingModes, modes_between_plates
@@ -165,7 +165,7 @@ def _draw(
         tuple(up.direction),
         legend=False,
         letters=_LETTERS,
-        arrows=_arrows(mesh.V[np.unique(mesh.F)], axis),
+        arrows=_arrows(mesh.V[used_vertices(mesh.F)], axis),
     )
 
 

@@ -10,6 +10,7 @@ from apd_viewer.commands.press_output import press_rows
 from apd_viewer.files.tables import Cell
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.arrays import used_vertices
 from apd_viewer.geometry.solver.linear_buckling import classical_load, knock_down_factor, round_radius
 from apd_viewer.geometry.solver.press_band import PressBand
 from apd_viewer.language import tr
@@ -36,7 +37,7 @@ class CylinderAsWide(NamedTuple):
     def between_plates(cls, rest: RestMesh, axis: np.ndarray, material: Material) -> CylinderAsWide | None:
         """Cylinder as wide as a mesh across an axis; None unless round and thin."""
         shape = rest.solve_mesh
-        radius = round_radius(shape.V[np.unique(shape.F)], axis)
+        radius = round_radius(shape.V[used_vertices(shape.F)], axis)
         if radius is None or not material.thickness:
             return None
         return cls(classical_load(material), radius / material.thickness)

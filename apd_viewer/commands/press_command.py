@@ -43,7 +43,7 @@ from apd_viewer.files.mesh_writing import check_files, check_mesh_path, check_sh
 from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import checked_direction
+from apd_viewer.geometry.mesh.arrays import checked_direction, used_vertices
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.convergence import DISTURBANCE, Convergence
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, wall_material as thin_wall_material
@@ -192,7 +192,7 @@ def _press(options: argparse.Namespace) -> CommandOutput:
         if options.output:
             save_mesh(mesh, found.U, options.output, wall.unit.symbol)
     first = next(filter(None, written), Path(mesh.name))
-    extent = float(np.ptp(found.steps[0].U[np.unique(mesh.F)] @ checked_direction(axis)))
+    extent = float(np.ptp(found.steps[0].U[used_vertices(mesh.F)] @ checked_direction(axis)))
     lines = [press_summary(found, rest, first, wall, newtons, extent, is_alone=band is None)]
     if (pascals := pressure_pascals(settings, newtons)) is not None:
         lines.append(

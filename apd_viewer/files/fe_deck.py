@@ -10,7 +10,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_writable
 from apd_viewer.files.storage.atomic_file import replacing_file
 from apd_viewer.geometry.energy.wall_map import WallMap
-from apd_viewer.geometry.mesh.arrays import diagonal, significant_digits
+from apd_viewer.geometry.mesh.arrays import diagonal, significant_digits, used_vertices
 from apd_viewer.language import tr
 
 DECK_SUFFIX = ".inp"
@@ -164,7 +164,7 @@ def _with_midsides(deck: Deck) -> tuple[Deck, list[np.ndarray]]:
 
 def _mesh_lines(deck: Deck) -> Iterator[str]:
     """Lines of the nodes in the rest shape and of the elements."""
-    nodes = np.unique(deck.F[deck.used_faces])
+    nodes = used_vertices(deck.F[deck.used_faces])
     size = diagonal(deck.V[nodes])
     yield "*NODE, NSET=ALL"
     for node, point in zip((nodes + 1).tolist(), deck.V[nodes].tolist(), strict=True):
@@ -210,7 +210,7 @@ def _wall_lines(deck: Deck) -> Iterator[str]:
         F = deck.F[used]
         values = WallMap(mapped, mapped.triangles[used]).at_vertices(F, len(deck.V))
         yield "*NODAL THICKNESS"
-        yield from (f"{node + 1}, {_number(values[node])}" for node in np.unique(F).tolist())
+        yield from (f"{node + 1}, {_number(values[node])}" for node in used_vertices(F).tolist())
 
 
 def _modulus_groups(mapped: WallMap | None, used: np.ndarray) -> tuple[list[float], np.ndarray]:

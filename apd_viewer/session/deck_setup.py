@@ -7,6 +7,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.fe_deck import Deck, DeckRegion, DeckWall, NodeSet
+from apd_viewer.geometry.mesh.arrays import used_vertices
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
@@ -57,7 +58,7 @@ def deck_of(
     document.constraints()  # raises InputError without base or handle
     mesh = document.mesh
     used, notes = _elements(document)
-    held = _held_node_sets(document, np.unique(mesh.joined_F[used]))
+    held = _held_node_sets(document, used_vertices(mesh.joined_F[used]))
     ways = [_shifts(each, held) for each in stages]
     return Deck(mesh.name, mesh.V, mesh.joined_F, used, held, _regions(document, used), ways, wall, notes)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.mesh_findings import Finding
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
+from apd_viewer.geometry.mesh.arrays import used_vertices
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.language import tr, trn
@@ -127,5 +128,5 @@ def loose_component_findings(document: Document) -> Iterator[tuple[Finding, tupl
 
 def _finding(document: Document, sentence: str, firsts: tuple[int, ...]) -> tuple[Finding, tuple[int, ...]]:
     mesh = document.mesh
-    vertices = np.unique(mesh.F[np.isin(memo.triangle_components(mesh.joined_F), firsts)])
+    vertices = used_vertices(mesh.F[np.isin(memo.triangle_components(mesh.joined_F), firsts)])
     return Finding("loose part", sentence, vertices), firsts

@@ -13,6 +13,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.scalars import Scalars, shape_scalars
 from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.mesh.arrays import used_vertices
 from apd_viewer.geometry.mesh.mesh import BakedOrigin, Mesh
 from apd_viewer.notation import METRES
 
@@ -135,4 +136,4 @@ def blender_vertex_order(mesh: Mesh) -> np.ndarray:
     if suffix == ".stl":
         corners = read.V.astype(np.float32) + np.float32(0.0)  # adding 0.0 turns -0.0 into 0.0
         return np.sort(np.unique(corners, axis=0, return_index=True)[1])
-    return np.unique(mesh.F) if suffix in _FACES_ALONE else np.arange(len(mesh.V))
+    return used_vertices(mesh.F) if suffix in _FACES_ALONE else np.arange(len(mesh.V))

@@ -23,7 +23,7 @@ from apd_viewer.files.gltf.gltf_reader import mesh_instances, read_gltf
 from apd_viewer.files.gltf.scene import mesh_primitives, world_matrices
 from apd_viewer.files.mesh_formats import CAD_FORMATS
 from apd_viewer.files.selections.selection import MOST_REGIONS
-from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size
+from apd_viewer.geometry.mesh.arrays import diagonal, mesh_size, used_vertices
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.installation import missing_extra
@@ -275,7 +275,7 @@ def _divided(content: bytes, kind: str, relative: float, absolute: float) -> dic
         return _MILLIMETRES[kind] * V, F, origin
 
     V, F, _ = scene_of(_NO_LIMIT)
-    V, F, file = scene_of(relative * diagonal(V[np.unique(F)]) + absolute)
+    V, F, file = scene_of(relative * diagonal(V[used_vertices(F)]) + absolute)
     names, part, colors = _styles(file)
     style = np.repeat(np.arange(len(part)), [piece.triangle_count for piece in file.primitives])
     each = [_welded(V, F[own], style[own]) for own in (part[style] == k for k in range(len(names)))]

@@ -132,7 +132,7 @@ class _WallComponent(NamedTuple):
 
 def _nested_components(V: np.ndarray, F: np.ndarray, component: np.ndarray) -> list[_WallComponent]:
     """Two components, the second inside the first, or an empty list."""
-    names = np.unique(component)
+    names = np.flatnonzero(np.bincount(component))
     if len(names) > 2:
         return []
     parts = [_WallComponent(component == name, volume(V, F[component == name])) for name in names]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.geometry.analysis.defects import defects
-from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen, used_vertices
 from apd_viewer.geometry.mesh.edges_and_components import opposite_half_edges
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import aspect_ratios
@@ -55,7 +55,7 @@ class Finding:
     @classmethod
     def at_vertices(cls, kind: str, sentence: str, vertices: np.ndarray | tuple[()] = ()) -> Finding:
         """Finding about vertices, given in any order and possibly repeated."""
-        return cls(kind, sentence, frozen(np.unique(np.asarray(vertices, dtype=np.int64))))
+        return cls(kind, sentence, frozen(used_vertices(np.asarray(vertices, dtype=np.int64).ravel())))
 
     @property
     def is_about_file(self) -> bool:

@@ -9,7 +9,7 @@ from apd_viewer.geometry.analysis.double_wall import DoubleWall
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.mesh_findings import Finding
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.mesh.arrays import extents
+from apd_viewer.geometry.mesh.arrays import extents, used_vertices
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.seams import Seams
 from apd_viewer.geometry.pose.held_turn import HandleTurns, HeldTurn
@@ -49,7 +49,7 @@ class ShapeCheck(NamedTuple):
 
 def check_shape(U: np.ndarray, F: np.ndarray, handle_turns: HandleTurns | None = None) -> ShapeCheck:
     """Check the shape ``U`` (n, 3) of the triangles ``F`` (m, 3) and its handle turns."""
-    points = U[np.unique(F)]
+    points = U[used_vertices(F)]
     dx, dy, dz = extents(points).tolist()
     turns: tuple[HeldTurn, ...] = ()
     if handle_turns is not None:

@@ -8,6 +8,7 @@ from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
+from apd_viewer.geometry.mesh.arrays import used_vertices
 from apd_viewer.geometry.mesh.operators import vertex_areas
 from apd_viewer.geometry.picking.bounding_hierarchy import (
     BRANCHING,
@@ -40,7 +41,7 @@ def surface_distance(U: np.ndarray, F: np.ndarray, V: np.ndarray, G: np.ndarray)
 
     Largest over both directions it is the Hausdorff distance, up to the size of the triangles.
     """
-    on = np.unique(F)
+    on = used_vertices(F)
     away = np.zeros(len(U))
     away[on] = nearest_triangles(U[on], V, G)[0]
     return distance_summary(away, U, F)
@@ -51,7 +52,7 @@ def distance_summary(distances: np.ndarray, U: np.ndarray, F: np.ndarray) -> Sur
 
     Vertices without a triangle do not count.
     """
-    on = np.unique(F)
+    on = used_vertices(F)
     distances, area = distances[on], vertex_areas(U, F)[on]
     mean, square = (float(np.average(x, weights=area)) for x in (distances, distances**2))
     return SurfaceDistance(float(distances.max()), square**0.5, mean)

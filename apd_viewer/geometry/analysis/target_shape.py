@@ -15,7 +15,7 @@ from apd_viewer.geometry.analysis.surface_distance import (
     surface_distance,
 )
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen, used_vertices
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.bounding_hierarchy import BoundingVolumeHierarchy, bounding_hierarchy
 
@@ -97,7 +97,7 @@ class TargetShape:
     @cached_property
     def _uses_all_vertices(self) -> bool:
         """True if every vertex of the target belongs to a triangle."""
-        return len(np.unique(self.mesh.F)) == len(self.mesh.V)
+        return len(used_vertices(self.mesh.F)) == len(self.mesh.V)
 
 
 def _size(mesh: Mesh) -> float:

@@ -13,7 +13,7 @@ from apd_viewer.geometry.analysis.double_wall import DoubleWall
 from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.measuring.vessel import Filling, Vessel
-from apd_viewer.geometry.mesh.arrays import checked, checked_floats, checked_integers
+from apd_viewer.geometry.mesh.arrays import checked, checked_floats, checked_integers, used_vertices
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -136,7 +136,7 @@ def mesh_volumes(
     """
     if thickness is not None and not (isinstance(thickness, Real) and 0.0 < thickness < np.inf):
         raise InputError(tr("Enter a wall thickness greater than 0."))
-    found, hull = inspect(mesh), hull_readings(mesh.V[np.unique(mesh.F)])
+    found, hull = inspect(mesh), hull_readings(mesh.V[used_vertices(mesh.F)])
     enclosed = found.volume if found.volume_capped is None else found.volume_capped
     readings = VolumeReadings.from_hull(
         found.area, enclosed, found.openings, hull, thickness, found.double_wall

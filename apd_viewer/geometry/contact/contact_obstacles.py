@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import checked, checked_direction, checked_point
+from apd_viewer.geometry.mesh.arrays import checked, checked_direction, checked_point, used_vertices
 from apd_viewer.language import tr
 
 _PLATE, _CAPSULE = 3, 2  # number of points that define each
@@ -77,7 +77,7 @@ class Obstacle:
             Number of its vertices; the points of the obstacle follow them.
         """
         if len(self.points) == _PLATE:
-            vertices = np.unique(F)
+            vertices = used_vertices(F)
             return _rows(vertices[:, None], range(n, n + 3), after=True), np.zeros(len(vertices), bool)
         ends = [_rows(F, [n + k]) for k in range(len(self.points))]
         along = _rows(E, [n, n + 1]) if len(self.points) == _CAPSULE else np.zeros((0, 4), np.int32)

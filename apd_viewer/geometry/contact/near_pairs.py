@@ -16,6 +16,7 @@ from apd_viewer.geometry.contact.neighbour_bounds import NeighbourBounds
 from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference, largest_displacement
+from apd_viewer.geometry.mesh.arrays import distinct_keys
 
 # In mean edge lengths: largest distance of patches with a bound, look-ahead of a search, and largest approach
 # of two patches in one step. Larger values mean more pairs, smaller ones more searches.
@@ -280,5 +281,5 @@ class NoPairs:
 def _edges(F: np.ndarray, n: int) -> np.ndarray:
     """Unique edges (e, 2) of triangles, lower index first."""
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    key = np.unique(np.minimum(a, b).astype(np.int64) * n + np.maximum(a, b))
+    key = distinct_keys(np.minimum(a, b).astype(np.int64) * n + np.maximum(a, b))
     return np.column_stack([key // n, key % n])

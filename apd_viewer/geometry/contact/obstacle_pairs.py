@@ -7,6 +7,7 @@ from apd_viewer.geometry.contact.contact_obstacles import Obstacle
 from apd_viewer.geometry.contact.distances import gaps
 from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
+from apd_viewer.geometry.mesh.arrays import used_vertices
 
 # Distance beyond the range within which pairs are listed, in mean edge lengths.
 _LISTED_WITHIN = 6.0
@@ -208,7 +209,7 @@ def clearance(obstacle: Obstacle, shift: np.ndarray, U: np.ndarray, F: np.ndarra
     if not len(F):
         return np.inf
     points = obstacle.points + shift
-    corners = np.unique(F)
+    corners = used_vertices(F)
     away = np.full(len(U), np.inf)
     away[corners] = obstacle.distances_and_directions(points, U[corners])[0]
     least = float(away[corners].min())

@@ -14,6 +14,7 @@ from scipy.spatial import KDTree
 
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.mesh.arrays import distinct_keys, used_vertices
 
 # Larger patches mean fewer bounds, but more candidate pairs searched in vain.
 _VERTICES_PER_PATCH = 12
@@ -64,7 +65,7 @@ class Patches:
     """
 
     def __init__(self, V: np.ndarray, F: np.ndarray, E: np.ndarray) -> None:
-        self.used_vertices = np.unique(F)
+        self.used_vertices = used_vertices(F)
         own = _cluster_of_points(V[self.used_vertices])
         self._count = count = int(own.max()) + 1
         self._capacity = _FIRST_CAPACITY
@@ -74,7 +75,7 @@ class Patches:
         self.edges = PatchItems.group(patch[E[:, 0]], np.arange(len(E)), count)
         self.faces = PatchItems.group(patch[F[:, 0]], np.arange(len(F)), count)
         who = np.concatenate([own, np.repeat(patch[E[:, 0]], 2), np.repeat(patch[F[:, 0]], 3)])
-        both = np.unique(who * len(V) + np.concatenate([self.used_vertices, E.ravel(), F.ravel()]))
+        both = distinct_keys(who * len(V) + np.concatenate([self.used_vertices, E.ravel(), F.ravel()]))
         self.covered_vertices = PatchItems.group(both // len(V), both % len(V), count)
 
     def boxes(self, U: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.target_values import GOAL_WORDS, check_fits_in_ball, percentage
-from apd_viewer.geometry.mesh.arrays import check_argument, checked_integers
+from apd_viewer.geometry.mesh.arrays import check_argument, checked_integers, used_vertices
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.geometry.mesh.weighted_areas import Patch, WeightedAreas, triangle_weights
 from apd_viewer.language import in_quotes, tr
@@ -218,7 +218,7 @@ def make_goals(
         goals.append(_goal("the area", shape, area, rest.area))
     for region in regions:
         if region.area is not None:
-            corners = np.unique(region_patch(rest, region).F)
+            corners = used_vertices(region_patch(rest, region).F)
             outside[corners] = 0.0
             goals.append(_region_goal(shape, region, corners))
     if area is not None and calm is not None:

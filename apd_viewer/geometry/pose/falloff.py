@@ -14,6 +14,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from apd_viewer.geometry.mesh.arrays import distinct_keys
 from apd_viewer.geometry.pose.constraints import SoftConstraints
 
 Graph: TypeAlias = csr_array
@@ -25,7 +26,7 @@ def edge_graph(V: np.ndarray, F: np.ndarray) -> Graph:
     """Sparse matrix (n, n) of the edge lengths of ``V`` (n, 3), ``F`` (m, 3)."""
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
     low, high = np.minimum(a, b), np.maximum(a, b)
-    key = np.unique((low * len(V) + high)[low != high])
+    key = distinct_keys((low * len(V) + high)[low != high])
     low, high = key // len(V), key % len(V)
     # The graph search ignores edges of length zero, so that coincident vertices need a tiny length.
     length = np.maximum(np.linalg.norm(V[high] - V[low], axis=1), np.finfo(float).tiny)

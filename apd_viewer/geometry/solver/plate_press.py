@@ -24,6 +24,7 @@ from apd_viewer.geometry.mesh.arrays import (
     checked_direction,
     diagonal,
     is_whole_number,
+    used_vertices,
 )
 from apd_viewer.geometry.solver.contact_descent import ContactDescent
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -115,7 +116,7 @@ class PlatePress:
 
     def _plates_around(self, U: np.ndarray, aside: float = 0.0) -> list[Obstacle]:
         """Plates on both sides of a local shape ``U`` (k, 3), ``aside`` away from it."""
-        X, (axis, to, apart) = U[np.unique(self._rest.solve_mesh.F)], self._asked
+        X, (axis, to, apart) = U[used_vertices(self._rest.solve_mesh.F)], self._asked
         # How far plates close is known once they touch.
         self.travel = way = plate_travel(X, axis, "50%" if aside else to, apart)
         # Centre of the bounding box: plates also need a position perpendicular to their axis.

@@ -13,7 +13,7 @@ import scipy.sparse as sp
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.geometry.mesh.arrays import checked
+from apd_viewer.geometry.mesh.arrays import checked, used_vertices
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import edge_weights, laplacian, vertex_areas
 from apd_viewer.geometry.solver.pressed_mesh import Pressed
@@ -135,7 +135,7 @@ def _buckle_height(pressed: Pressed, F: np.ndarray, axis: np.ndarray) -> float:
     if yielded is None:
         return np.nan
     first, after = pressed.steps[0], next(step for step in pressed.steps if step.deflection > yielded)
-    used = np.unique(F)
+    used = used_vertices(F)
     before, now = first.U @ axis, after.U @ axis
     low, extent = before[used].min(), np.ptp(before[used])
     share = (before - low) / extent

@@ -57,9 +57,9 @@ class Prolongation:
         radius = _REACH * np.where(length > 0.0, length, 1.0)
         self._held = np.isin(vertices, fixed)
         self._rings = _rings_of(graph.indptr, graph.indices, _RINGS)
-        within = V, X, nearest, *self._rings, radius * radius
-        rows = np.concatenate([[0], np.cumsum(_counts(*within))])
-        self._weights = rows, *_weights(*within, rows)
+        (start, ring), squared = self._rings, radius * radius
+        rows = np.concatenate([[0], np.cumsum(_counts(V, X, nearest, start, ring, squared))])
+        self._weights = rows, *_weights(V, X, nearest, start, ring, squared, rows)
 
     def moved_positions(self, U: np.ndarray, X: np.ndarray, q: np.ndarray, moved: np.ndarray) -> np.ndarray:
         """Positions ``U`` (n, 3) after a motion of the coarse surface.

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.arrays import diagonal, used_vertices
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
@@ -99,7 +99,7 @@ class ObstaclePair(NamedTuple):
 
 @memo.memoised
 def _extent(V: np.ndarray, F: np.ndarray, *axis: float) -> float:
-    return float(np.ptp(V[np.unique(F)] @ np.array(axis)))
+    return float(np.ptp(V[used_vertices(F)] @ np.array(axis)))
 
 
 class PairReading(NamedTuple):
@@ -152,5 +152,5 @@ def _pairs(document: Document, kind: ObstacleKind) -> Iterator[ObstaclePair]:
 @memo.memoised
 def mesh_middle(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Middle (3,) of the bounding box."""
-    used = V[np.unique(F)]
+    used = V[used_vertices(F)]
     return 0.5 * (used.min(axis=0) + used.max(axis=0))

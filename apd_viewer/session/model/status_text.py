@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.files.known_file import FileState
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import frozen, used_vertices
 from apd_viewer.geometry.pose.held_turn import pass_through_warnings
 from apd_viewer.language import tr, trn
 from apd_viewer.notation import localized_number
@@ -164,7 +164,7 @@ def crossing_findings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding,
     from apd_viewer.geometry.analysis.mesh_findings import Finding
 
     sentence = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")
-    where = frozen(np.unique(mesh.F[crossing]))
+    where = frozen(used_vertices(mesh.F[crossing]))
     return (Finding("self-intersections", sentence.format(n=len(crossing)), where),)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from apd_viewer.geometry.contact.mesh_contact import contact_thickness
 from apd_viewer.geometry.contact.obstacle_pairs import clearance
-from apd_viewer.geometry.mesh.arrays import checked_direction, diagonal, frozen
+from apd_viewer.geometry.mesh.arrays import checked_direction, diagonal, frozen, used_vertices
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document_parts import next_name
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
@@ -42,7 +42,7 @@ def obstacle_clearance(obstacle: NamedObstacle, state: State) -> float:
 @memo.memoised
 def _used_vertices(F: np.ndarray) -> np.ndarray:
     """Sorted ids of the vertices used by triangles."""
-    return frozen(np.unique(F))
+    return frozen(used_vertices(F))
 
 
 def is_obstacle_clear(obstacle: NamedObstacle, state: State, distance: float) -> bool:

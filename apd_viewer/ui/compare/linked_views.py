@@ -12,6 +12,7 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen, QResizeEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
 from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
+from apd_viewer.geometry.mesh.arrays import used_vertices
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, default_scale, span_of
 from apd_viewer.session.model.state import State
@@ -310,7 +311,7 @@ class MethodView(QWidget):
         self.values, self._change = None, None
         self.surface.set_color_map(None)
         self.surface.set_mesh(state.surface_index, document.mesh.V, colors_of(document))
-        self._extent = ShapeExtent.from_points(document.mesh.V[np.unique(document.mesh.F)])
+        self._extent = ShapeExtent.from_points(document.mesh.V[used_vertices(document.mesh.F)])
         self.show_obstacles([DrawnObstacle(each, np.zeros(3)) for each in document.obstacles])
 
     def show_shape(self, U: np.ndarray) -> None:

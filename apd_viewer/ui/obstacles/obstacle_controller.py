@@ -7,7 +7,7 @@ from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QMouseEvent
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import checked_direction
+from apd_viewer.geometry.mesh.arrays import checked_direction, used_vertices
 from apd_viewer.language import tr
 from apd_viewer.presentation.plate_readings import FindConversion
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
@@ -286,7 +286,7 @@ class ObstacleController(QObject):
         """Bounding box of the mesh at rest, cached."""
         mesh = state.document.mesh
         if self._extent_of is None or self._extent_of[0] is not mesh.V:
-            self._extent_of = mesh.V, ShapeExtent.from_points(mesh.V[np.unique(mesh.F)])
+            self._extent_of = mesh.V, ShapeExtent.from_points(mesh.V[used_vertices(mesh.F)])
         return self._extent_of[1]
 
 

@@ -15,6 +15,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import used_vertices
 from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Scale
@@ -271,7 +272,7 @@ class OffscreenScene:
         self._surface = Surface(cast("Viewport", self._set))
         self._surface.set_mesh(state.surface_index, state.frame.U, colors_of(state.document))
         self._surface.shows_edges, self._surface.shading, self._texture = edges, shading, texture
-        used = np.unique(state.surface_index.F)
+        used = used_vertices(state.surface_index.F)
         self.size = self._frame_points(np.concatenate([state.document.mesh.V[used], state.frame.U[used]]))
 
     def _frame_points(self, points: np.ndarray) -> QSize:

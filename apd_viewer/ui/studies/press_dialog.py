@@ -11,7 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
 from apd_viewer.geometry.energy.cell_bending import load_excess
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.arrays import diagonal, used_vertices
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, method_material
 from apd_viewer.geometry.solver.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS, plate_travel
 from apd_viewer.geometry.solver.press_band import DEEPEST_DENTS, DEFAULT_DENTS, MOST_RUNS
@@ -71,7 +71,7 @@ class PressDialog(RunDialog):
         self.modes.clicked.connect(lambda: self.begin(buckles=True))
         run.add_button(self.modes)
         self._state, self._view, self._document, self._unit = state, view, document, unit
-        self._points = mesh.V[np.unique(mesh.F)]
+        self._points = mesh.V[used_vertices(mesh.F)]
         self._extents = np.ptp(self._points, axis=0)
         about = tr(
             "Presses the mesh, with nothing held, between two plates that close on it in steps, and plots "
