@@ -61,15 +61,14 @@ class Weld:
             corners = representative[F]
             opposite = opposite_half_edges(corners, len(V))
             onto = _representatives_across_cracks(V, corners, opposite, tolerance)
-            representative = representative if onto is None else onto[representative]
-        return cls.from_representatives(V, representative)
+            if onto is not None:
+                return cls.from_representatives(V, onto[representative])
+        return cls(*_maps(representative))
 
     @classmethod
     def from_representatives(cls, V: np.ndarray, representative: np.ndarray) -> Weld:
         """Weld each of the positions ``V`` (n, 3) to its representative."""
-        is_first = np.zeros(len(V), dtype=bool)
-        is_first[representative] = True
-        return cls.from_maps(V, np.flatnonzero(is_first), (np.cumsum(is_first) - 1)[representative])
+        return cls.from_maps(V, *_maps(representative))
 
     def with_seams(self, V: np.ndarray, F: np.ndarray, opposite: np.ndarray) -> Weld:
         """The weld, also joining boundaries within :data:`SEAM_TOLERANCE`.
@@ -131,38 +130,43 @@ class Weld:
         return spread
 
 
+def _maps(representative: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First vertices (k,), and for each vertex the place of its representative among them."""
+    is_first = np.zeros(len(representative), dtype=bool)
+    is_first[representative] = True
+    return frozen(np.flatnonzero(is_first)), frozen((np.cumsum(is_first) - 1)[representative])
+
+
 def _representatives_of_positions(V: np.ndarray) -> np.ndarray:
     """Lowest vertex at the position of each vertex of ``V`` (n, 3), (n,)."""
-    order = _order_of_positions(V)
-    is_new = np.ones(len(V), dtype=bool)
-    is_new[1:] = _are_apart(V, order)
+    key = _position_keys(V)
+    order = np.argsort(key)
+    is_new, key = _are_first(V[order]), key[order]
+    if (is_new[1:] & (key[1:] == key[:-1])).any():  # positions that share a key may alternate
+        order = np.lexsort(V.T)
+        is_new = _are_first(V[order])
     representative = np.empty(len(V), dtype=np.int64)
     representative[order] = np.minimum.reduceat(order, np.flatnonzero(is_new))[np.cumsum(is_new) - 1]
     return representative
 
 
-def _order_of_positions(V: np.ndarray) -> np.ndarray:
-    """Order (n,) of the vertices ``V`` (n, 3) in which equal positions are adjacent."""
-    bits = (V + 0.0).view(np.uint64)  # adding zero makes a negative zero positive
+def _position_keys(V: np.ndarray) -> np.ndarray:
+    """Keys (n,) of the positions ``V`` (n, 3), equal for equal ones and almost only for these."""
     key = np.zeros(len(V), dtype=np.uint64)
-    for column in bits.T:
-        key ^= column
-        key *= np.uint64(0x9E3779B97F4A7C15)  # odd and irregular: Knuth's multiplicative hashing
-        key ^= key >> np.uint64(32)
-    order = np.argsort(key)
-    of_one_key = key[order[1:]] == key[order[:-1]]
-    if (of_one_key & _are_apart(V, order)).any():  # two positions with one key may alternate
-        return np.lexsort(V.T)
-    return order
-
-
-def _are_apart(V: np.ndarray, order: np.ndarray) -> np.ndarray:
-    """Mask (n - 1,) of vertices in ``order`` (n,) with another position after them."""
-    apart = np.zeros(len(V) - 1, dtype=bool)
     for x in V.T:
-        along = x[order]
-        apart |= along[1:] != along[:-1]
-    return apart
+        key ^= (x + 0.0).view(np.uint64)  # adding zero makes a negative zero positive
+        key *= np.uint64(0x9E3779B97F4A7C15)  # odd and irregular: multiplicative hashing [Knuth 1973]
+        key ^= key >> np.uint64(32)
+    return key
+
+
+def _are_first(V: np.ndarray) -> np.ndarray:
+    """Mask (n,) of the positions ``V`` (n, 3) that differ from the one before."""
+    first = np.ones(len(V), dtype=bool)
+    first[1:] = False
+    for x in V.T:
+        first[1:] |= x[1:] != x[:-1]
+    return first
 
 
 def _edge_keys(corners: np.ndarray, n: int) -> np.ndarray:

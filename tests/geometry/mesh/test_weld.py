@@ -100,3 +100,25 @@ def test_deformation_breaks_nothing_without_any_face_with_an_area_nearby():
     solver = Deformation(W, G, fixed)
     solver.aim(targets)
     assert np.isfinite(settled(solver).U).all()
+
+
+def test_weld_tells_positions_with_equal_keys_apart():
+    mixed, shift = np.uint64(0x9E3779B97F4A7C15), np.uint64(32)
+
+    def key(bits):
+        product = bits * mixed
+        return product ^ (product >> shift)
+
+    rng, pairs = np.random.default_rng(0), []
+    while len(pairs) < 20:
+        x, y = rng.normal(size=2), rng.normal(size=1)
+        first, second = x.view(np.uint64)
+        other = (key(np.array([first])) ^ y.view(np.uint64) ^ key(np.array([second]))).view(np.float64)
+        if 1e-30 < abs(other[0]) < 1e30:
+            pairs.append([[x[0], y[0], 0.0], [x[1], other[0], 0.0]])
+    V = np.tile(np.concatenate(pairs), (5, 1))  # each position five times, in turns with that of its key
+    V = V[np.random.default_rng(1).permutation(len(V))]
+    weld = Weld.from_positions(V)
+    assert len(weld.first) == 40
+    np.testing.assert_array_equal(V[weld.representative], V)
+    assert (weld.representative <= np.arange(len(V))).all()
