@@ -204,11 +204,9 @@ def component_findings(mesh: Mesh, F: np.ndarray, component: np.ndarray) -> Iter
 
 def size_findings(mesh: Mesh) -> Iterator[Finding]:
     """Finding about extreme sizes and distances from the origin."""
-    mask = np.zeros(len(mesh.V), dtype=bool)
-    mask[mesh.F.ravel()] = True
-    used = mesh.V[mask]
+    used = mesh.V[used_vertices(mesh.F)]
     size = diagonal(used)
-    away = float(np.linalg.norm(used.mean(axis=0)))
+    away = float(np.linalg.norm([x.mean() for x in used.T]))
     if size < _TINY:
         yield Finding.at_vertices(
             "tiny", tr("The mesh is only {size:.3g} across; check its unit.").format(size=size)

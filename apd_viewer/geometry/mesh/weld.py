@@ -141,12 +141,10 @@ def _representatives_of_positions(V: np.ndarray) -> np.ndarray:
     """Lowest vertex at the position of each vertex of ``V`` (n, 3), (n,)."""
     key = _position_keys(V)
     order = np.argsort(key)
-    is_new, key = _are_first(V[order]), key[order]
-    if (is_new[1:] & (key[1:] == key[:-1])).any():  # positions that share a key may alternate
+    representative = _lowest_of_runs(order, key[order][:, None])
+    if not np.array_equal(V[representative], V):  # two positions share a key
         order = np.lexsort(V.T)
-        is_new = _are_first(V[order])
-    representative = np.empty(len(V), dtype=np.int64)
-    representative[order] = np.minimum.reduceat(order, np.flatnonzero(is_new))[np.cumsum(is_new) - 1]
+        representative = _lowest_of_runs(order, V[order])
     return representative
 
 
@@ -160,13 +158,15 @@ def _position_keys(V: np.ndarray) -> np.ndarray:
     return key
 
 
-def _are_first(V: np.ndarray) -> np.ndarray:
-    """Mask (n,) of the positions ``V`` (n, 3) that differ from the one before."""
-    first = np.ones(len(V), dtype=bool)
-    first[1:] = False
-    for x in V.T:
-        first[1:] |= x[1:] != x[:-1]
-    return first
+def _lowest_of_runs(order: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Lowest vertex of ``order`` (n,) in each run of equal ``rows`` (n, k), by vertex (n,)."""
+    is_first = np.ones(len(order), dtype=bool)
+    is_first[1:] = False
+    for x in rows.T:
+        is_first[1:] |= x[1:] != x[:-1]
+    lowest = np.empty(len(order), dtype=np.int64)
+    lowest[order] = np.minimum.reduceat(order, np.flatnonzero(is_first))[np.cumsum(is_first) - 1]
+    return lowest
 
 
 def _edge_keys(corners: np.ndarray, n: int) -> np.ndarray:
