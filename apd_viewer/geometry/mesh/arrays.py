@@ -51,7 +51,7 @@ def mesh_size(V: np.ndarray, F: np.ndarray) -> float:
 
 
 def used_vertices(F: np.ndarray) -> np.ndarray:
-    """Distinct vertices of triangles ``F`` (m, 3), or of any integers from 0, ascending."""
+    """Distinct vertices of triangles ``F`` (m, 3), or integers from 0, ascending."""
     # np.unique hashes integers, and takes a hundred times as long for a million triangles.
     is_used = np.zeros(int(F.max()) + 1 if F.size else 0, dtype=bool)
     is_used[F] = True

@@ -131,7 +131,7 @@ class Weld:
 
 
 def _maps(representative: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First vertices (k,), and for each vertex the place of its representative among them."""
+    """First vertices (k,), and the place of each vertex's representative among them."""
     is_first = np.zeros(len(representative), dtype=bool)
     is_first[representative] = True
     return frozen(np.flatnonzero(is_first)), frozen((np.cumsum(is_first) - 1)[representative])
@@ -149,7 +149,7 @@ def _representatives_of_positions(V: np.ndarray) -> np.ndarray:
 
 
 def _position_keys(V: np.ndarray) -> np.ndarray:
-    """Keys (n,) of the positions ``V`` (n, 3), equal for equal ones and almost only for these."""
+    """Hash keys (n,) of the positions ``V`` (n, 3), equal for equal ones."""
     key = np.zeros(len(V), dtype=np.uint64)
     for x in V.T:
         key ^= (x + 0.0).view(np.uint64)  # adding zero makes a negative zero positive
@@ -159,7 +159,7 @@ def _position_keys(V: np.ndarray) -> np.ndarray:
 
 
 def _lowest_of_runs(order: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Lowest vertex of ``order`` (n,) in each run of equal ``rows`` (n, k), by vertex (n,)."""
+    """Lowest vertex (n,) of each one's run of equal ``rows`` (n, k) in ``order`` (n,)."""
     is_first = np.ones(len(order), dtype=bool)
     is_first[1:] = False
     for x in rows.T:

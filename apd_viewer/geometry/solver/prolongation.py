@@ -120,7 +120,7 @@ def _counts(
     ring: np.ndarray,
     squared: np.ndarray,
 ) -> np.ndarray:
-    """Numbers (n,) of the coarse vertices within whose ``squared`` radii the fine ones lie."""
+    """Numbers (n,) of coarse vertices within whose ``squared`` radii fine ones lie."""
     count = np.zeros(len(V), dtype=np.int64)
     for portion in prange((len(V) + _PORTION - 1) // _PORTION):
         for i in range(portion * _PORTION, min(len(V), (portion + 1) * _PORTION)):
@@ -145,7 +145,7 @@ def _weights(
     squared: np.ndarray,
     rows: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Sparse ``rows`` of the weights ``(1 - d^2 / radius^2)^3``, each with the sum one."""
+    """Sparse ``rows`` of the weights ``(1 - d^2 / radius^2)^3``, each of sum one."""
     node, weight = np.empty(rows[-1], dtype=np.int32), np.empty(rows[-1], dtype=np.float32)
     for portion in prange((len(V) + _PORTION - 1) // _PORTION):
         for i in range(portion * _PORTION, min(len(V), (portion + 1) * _PORTION)):
