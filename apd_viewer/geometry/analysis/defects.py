@@ -43,15 +43,12 @@ def defects(F: np.ndarray, opposite: np.ndarray) -> Defects:
 
     ``opposite`` (m, 3) are their :func:`.opposite_half_edges`.
     """
-    crowded, ends = crowded_half_edges(F, opposite)
-    is_first = np.ones(len(crowded) + 1, dtype=bool)  # the last one is the end
-    is_first[1:-1] = (ends[1:] != ends[:-1]).any(axis=1)
-    start = np.flatnonzero(is_first)
+    crowded, start, ends = crowded_half_edges(F, opposite)
     corner, face, side, doubled, one_sided = _match_half_edges(F, opposite, crowded, start)
     fans = F.ravel()[corner == np.arange(len(corner))]  # one corner of each fan of triangles
     return Defects(
         boundary_edges=boundary_edges(F, opposite),
-        non_manifold_edges=ends[start[:-1]],
+        non_manifold_edges=ends,
         non_manifold_vertices=np.flatnonzero(np.bincount(fans) > 1),
         flipped_faces=_minority_triangles(face, side),
         duplicate_faces=np.flatnonzero(doubled),

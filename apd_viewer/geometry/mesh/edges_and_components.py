@@ -84,17 +84,26 @@ def boundary_vertices(F: np.ndarray, n: int) -> np.ndarray:
     return np.unique(boundary_edges(F, opposite_half_edges(F, n)))
 
 
-def crowded_half_edges(F: np.ndarray, opposite: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Half-edges ``3 t + c`` (k,) of non-manifold edges, and the ends (k, 2) of those.
+def crowded_half_edges(F: np.ndarray, opposite: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Half-edges of non-manifold edges, by edge.
 
-    Sorted by edge, of which the lower end is named first.
+    Returns
+    -------
+    half_edges : (k,) int array
+        ``3 t + c``; those of edge ``e`` are ``half_edges[start[e]:start[e + 1]]``.
+    start : (edges + 1,) int array
+    ends : (edges, 2) int array
+        Ends of the edges, the lower one first.
     """
     crowded = np.flatnonzero(opposite.ravel() == NON_MANIFOLD)
     i, j, k = F[crowded // 3].T
     crowded = crowded[(i != j) & (j != k) & (k != i)]
     ends = np.sort(_half_edge_ends(F, crowded), axis=1)
     order = np.lexsort((ends[:, 1], ends[:, 0]))
-    return crowded[order], ends[order]
+    ends, is_first = ends[order], np.ones(len(order) + 1, dtype=bool)  # the last one is the end
+    is_first[1:-1] = (ends[1:] != ends[:-1]).any(axis=1)
+    start = np.flatnonzero(is_first)
+    return crowded[order], start, ends[start[:-1]]
 
 
 def _half_edge_ends(F: np.ndarray, half_edges: np.ndarray) -> np.ndarray:
@@ -145,8 +154,7 @@ class EdgeDefectCounts(NamedTuple):
 def edge_defect_counts(F: np.ndarray, opposite: np.ndarray) -> EdgeDefectCounts:
     """Counts of border, non-manifold and inconsistently oriented edges."""
     border, one_way = _border_and_one_way_edges(F, opposite)
-    crowded = len(np.unique(crowded_half_edges(F, opposite)[1], axis=0))
-    return EdgeDefectCounts(int(border), crowded, int(one_way))
+    return EdgeDefectCounts(int(border), len(crowded_half_edges(F, opposite)[2]), int(one_way))
 
 
 @njit(cache=True, nogil=True)
