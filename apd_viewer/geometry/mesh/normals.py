@@ -63,10 +63,11 @@ def vertex_normals(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     -------
     (n, 3) float array
     """
-    a, b, c = U[F].transpose(1, 0, 2)
-    across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+    a = U[F[:, 0]]
+    across = np.cross(U[F[:, 1]] - a, U[F[:, 2]] - a)
     # Without triangles, bincount returns integers.
-    N = np.column_stack([np.bincount(F.ravel(), x, len(U)) for x in across.T]).astype(float, copy=False)
+    sums = [np.bincount(F.ravel(), np.repeat(x, 3), len(U)) for x in across.T]
+    N = np.column_stack(sums).astype(float, copy=False)
     length = np.linalg.norm(N, axis=1, keepdims=True)
     normals: np.ndarray = np.divide(N, length, out=np.zeros_like(N), where=length > 0)
     return normals
