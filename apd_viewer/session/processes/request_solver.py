@@ -15,6 +15,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.linear_solver import Factor, Matrix
+from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -107,7 +108,7 @@ class RequestSolver:
                 without = document.settings.traits.obstacle_problem if document.obstacles else ""
                 raise InputError(without or document.paint_problem)
             with contextlib.suppress(InputError):
-                compute_decimations(self._rest_of(request))
+                self._prepare_mesh(self._rest_of(request))
             return
         if request.is_timed and not self._warm:
             warm_up()  # otherwise the first method's time would include compilation
@@ -248,6 +249,15 @@ class RequestSolver:
         """Begin the factorizations, after the more urgent first shape."""
         for factor in self._factors:
             factor.begin()
+
+    def _prepare_mesh(self, rest: RestMesh) -> None:
+        """Compute what every deformation of a mesh would wait for."""
+        compute_decimations(rest)
+        if not self._requests.is_ready:
+            with cores_for(len(rest.solve_mesh.V)):
+                rest.measure(rest.solve_mesh.V)
+        if not self._requests.is_ready:
+            _ = rest.solve_mesh.L
 
     def _prepare_first_shape(self, solver: Deformation) -> None:
         """Compute what the first shape of a drag would wait for."""
