@@ -62,15 +62,20 @@ _DAMAGE = (
 
 def session_contents():
     """Sessions as stored by earlier versions, one with all that a session can hold, and damaged ones."""
-    welded = initial_state(MESH.welded_to(np.arange(len(MESH.V))))
+    seam = np.arange(len(MESH.V))
+    seam[1] = 0  # wider than what rounding joins, so that it is stored
     aimed, rich = initial_state(MESH), rich_session()
     aimed = aimed.updated(replace(aimed.document, target_shape=TargetShape(Mesh(1.1 * MESH.V, MESH.F))))
+    welded, aimed = (
+        written("a.apd", partial(save_session, state=state, view=View()))
+        for state in (initial_state(MESH.welded_to(seam)), aimed)
+    )
     return [
         *(path.read_bytes() for path in sorted(STORED.glob("*.apd"))),
         rich,
         *(damaged(rich, keys, value) for keys, value in _DAMAGE),
-        with_weld(written("a.apd", partial(save_session, state=welded, view=View())), 9999),
-        *(written("a.apd", partial(save_session, state=state, view=View())) for state in (welded, aimed)),
+        *(welded, with_weld(welded, 9999)),
+        *(aimed, damaged(aimed, ("target", "embedded"), None), damaged(aimed, ("target", "embedded"), ["a"])),
     ]
 
 

@@ -180,6 +180,9 @@ def _point_cache(content, suffix):
 def _selection(content, suffix):
     selection = read_selection_file(written(f"selection{suffix}", content), MESH)
     write_selection(FOLDER / f"selected{suffix}", MESH, selection)
+    for other in SELECTION_FORMATS:
+        with suppress(InputError):  # .sel, for one, cannot store an empty handle
+            write_selection(FOLDER / f"selected{other}", MESH, selection)
 
 
 def _numbers(content):
