@@ -14,7 +14,7 @@ from apd_viewer.geometry.contact.collision_times import detect_collisions
 from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
 from apd_viewer.geometry.contact.neighbour_bounds import NeighbourBounds
 from apd_viewer.geometry.contact.pair_search import PairSearch
-from apd_viewer.geometry.contact.patches import Patches
+from apd_viewer.geometry.contact.patches import Patches, pair_keys, rows_among
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference, largest_displacement
 from apd_viewer.geometry.mesh.arrays import distinct_keys
 
@@ -228,20 +228,13 @@ class NearPairs:
         self._unseen = beyond
         between, bound = self._patches.near_pairs(self._patches.boxes(U), self._reach + beyond)
         bound -= self._reach
-        old, new = self._key(self._between), self._key(between)
-        if len(old):
-            at = np.minimum(np.searchsorted(old, new), len(old) - 1)
-            same = old[at] == new
-            bound[same] = np.maximum(bound[same], self._bound[at[same]])
-            there = np.minimum(np.searchsorted(new, old), len(new) - 1)
-            back = np.where(new[there] == old, there, -1).astype(np.int32)
-            owner = back[self._listed.owner]
-            self._listed = self._listed._replace(owner=owner).subset(owner >= 0)
+        row = rows_among(pair_keys(self._between), pair_keys(between))
+        there = np.flatnonzero(row >= 0)
+        bound[row[there]] = np.maximum(bound[row[there]], self._bound[there])
+        owner = row[self._listed.owner]
+        self._listed = self._listed._replace(owner=owner).subset(owner >= 0)
         self._between, self._bound, self._listed_at = between, bound, U
-        self._look_ahead = _LOOK_AHEAD * self._edges_of[between].min(axis=1)
-
-    def _key(self, between: np.ndarray) -> np.ndarray:
-        return between[:, 0] << 32 | between[:, 1]
+        self._look_ahead = _LOOK_AHEAD * np.minimum(*self._edges_of[between.T])
 
 
 class NoPairs:

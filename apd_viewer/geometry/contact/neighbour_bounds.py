@@ -11,7 +11,7 @@ from numba import prange
 
 from apd_viewer.geometry.contact.distances import edge_edge, vertex_triangle
 from apd_viewer.geometry.contact.pair_search import OF_REST
-from apd_viewer.geometry.contact.patches import Patches
+from apd_viewer.geometry.contact.patches import Patches, pair_keys, rows_among
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
 
@@ -41,18 +41,18 @@ class NeighbourBounds:
         self, V: np.ndarray, F: np.ndarray, E: np.ndarray, patches: Patches, reach: float, most: float
     ) -> None:
         self._V, self._patches, self._reach, self._most = V, patches, reach, most
-        pairs, _ = patches.near_pairs(patches.boxes(V), most)
-        self._key = pairs[:, 0] << 32 | pairs[:, 1]
-        self._gap = _rest_gaps(V, pairs, most, *patches.vertices, *patches.edges, E, *patches.faces, F)
+        pairs, _ = patches.near_pairs(boxes := patches.boxes(V), most)
+        self._keys = pair_keys(pairs)
+        items = *patches.vertices, *patches.edges, E, *patches.faces, F
+        self._gap = _rest_gaps(V, boxes, pairs, most, *items)
 
     def excess(self, U: np.ndarray, W: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-        """Lower bounds (k,) for pairs (k, 2) of patches from ``U`` to ``W``.
+        """Lower bounds (k,) for ascending pairs (k, 2) of patches from ``U`` to ``W``.
 
         On the whole step; negative where the patches no longer lie to each other as at rest.
         """
-        key = pairs[:, 0] << 32 | pairs[:, 1]
-        at = np.minimum(np.searchsorted(self._key, key), len(self._key) - 1)
-        gap = np.where(self._key[at] == key, self._gap[at], self._most)
+        row = rows_among(pair_keys(pairs), self._keys)
+        gap = np.where(row >= 0, self._gap[row], self._most)
         return _least_excess(self._V, U, W, pairs, gap, self._reach, *self._patches.covered_vertices)
 
 
@@ -62,11 +62,30 @@ def _squared_distance(X: np.ndarray, a: int, b: int) -> float:
     return x * x + y * y + z * z
 
 
+@njit(cache=True, nogil=True)
+def _squared_distance_of_sums(X: np.ndarray, a: int, b: int, c: int, d: int) -> float:
+    x, y, z = X[a, 0] + X[b, 0], X[a, 1] + X[b, 1], X[a, 2] + X[b, 2]
+    x, y, z = x - X[c, 0] - X[d, 0], y - X[c, 1] - X[d, 1], z - X[c, 2] - X[d, 2]
+    return x * x + y * y + z * z
+
+
+@njit(cache=True, nogil=True)
+def _is_beyond(V: np.ndarray, ids: tuple[int, ...], boxes: np.ndarray, p: int, gap: float) -> bool:
+    """True if vertices ``ids`` lie more than ``gap`` beside box ``p`` along an axis."""
+    for c in range(3):
+        low = high = V[ids[0], c]
+        for v in ids[1:]:
+            low, high = min(low, V[v, c]), max(high, V[v, c])
+        if low > boxes[p, c + 3] + gap or high < boxes[p, c] - gap:
+            return True
+    return False
+
+
 @parallel()
 def _rest_gaps(
-    V: np.ndarray, pairs: np.ndarray, most: float, vstart: np.ndarray, vitem: np.ndarray,
-    estart: np.ndarray, eitem: np.ndarray, E: np.ndarray, fstart: np.ndarray, fitem: np.ndarray,
-    F: np.ndarray,
+    V: np.ndarray, boxes: np.ndarray, pairs: np.ndarray, most: float, vstart: np.ndarray,
+    vitem: np.ndarray, estart: np.ndarray, eitem: np.ndarray, E: np.ndarray, fstart: np.ndarray,
+    fitem: np.ndarray, F: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     """Least gap (k,), up to ``most``, between elements without a common vertex."""
     gaps = np.empty(len(pairs))
@@ -75,19 +94,23 @@ def _rest_gaps(
         least = most
         for x in range(estart[i], estart[i + 1]):
             a, b = E[eitem[x], 0], E[eitem[x], 1]
+            if _is_beyond(V, (a, b), boxes, j, least):
+                continue
             one = np.sqrt(_squared_distance(V, a, b))
             for y in range(estart[j], estart[j + 1]):
                 c, d = E[eitem[y], 0], E[eitem[y], 1]
                 if a in (c, d) or b in (c, d):
                     continue
-                # No point of an edge is farther from an end than its length.
-                far = least + one + np.sqrt(_squared_distance(V, c, d))
-                if _squared_distance(V, a, c) < far * far:
+                # No point of an edge is farther from its middle than half of its length.
+                far = 2.0 * least + one + np.sqrt(_squared_distance(V, c, d))
+                if _squared_distance_of_sums(V, a, b, c, d) < far * far:
                     least = min(least, np.sqrt(edge_edge(V, a, b, c, d)[0]))
         for turn in range(2):
             mine, its = (i, j) if turn == 0 else (j, i)
             for y in range(fstart[its], fstart[its + 1]):
                 a, b, c = F[fitem[y], 0], F[fitem[y], 1], F[fitem[y], 2]
+                if _is_beyond(V, (a, b, c), boxes, mine, least):
+                    continue
                 size = np.sqrt(max(_squared_distance(V, a, b), _squared_distance(V, a, c)))
                 for x in range(vstart[mine], vstart[mine + 1]):
                     v = vitem[x]

@@ -94,10 +94,7 @@ class Patches:
             if (most := int(count.max())) <= self._capacity:
                 break
             self._capacity = int(1.2 * most)
-        key, apart = (np.concatenate([c[k, : count[k]] for k in range(_TASKS)]) for c in columns)
-        ascending = np.argsort(key)
-        key = key[ascending]
-        return np.column_stack([key >> 32, key & 0xFFFFFFFF]), apart[ascending]
+        return _in_ascending_order(*columns, count, len(boxes))
 
     def approach_bounds(self, U: np.ndarray, W: np.ndarray, pairs: np.ndarray) -> np.ndarray:
         """Upper bounds (k,) of the approach of pairs (k, 2) from ``U`` to ``W``."""
@@ -223,6 +220,49 @@ def _near_leaves(
                 n += 1
         count[task] = n
     return key, apart, count
+
+
+@njit(cache=True, nogil=True)
+def _in_ascending_order(
+    key: np.ndarray, apart: np.ndarray, count: np.ndarray, boxes: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs (k, 2) and distances (k,) of all tasks, in ascending order."""
+    # Sorted by counting, then within the few pairs of a box: a third of the time of argsort.
+    start = np.zeros(boxes + 1, np.int64)
+    for task in range(len(count)):
+        for n in range(count[task]):
+            start[(key[task, n] >> 32) + 1] += 1
+    start = np.cumsum(start)
+    last, pairs, distance = start.copy(), np.empty((start[-1], 2), np.int64), np.empty(start[-1])
+    for task in range(len(count)):
+        for n in range(count[task]):
+            i, j = key[task, n] >> 32, key[task, n] & 0xFFFFFFFF
+            k = last[i]
+            while k > start[i] and pairs[k - 1, 1] > j:
+                pairs[k, 1], distance[k] = pairs[k - 1, 1], distance[k - 1]
+                k -= 1
+            pairs[last[i], 0] = i
+            pairs[k, 1], distance[k] = j, apart[task, n]
+            last[i] += 1
+    return pairs, distance
+
+
+def pair_keys(pairs: np.ndarray) -> np.ndarray:
+    """Keys (k,) of pairs (k, 2), in the same order as they."""
+    keys: np.ndarray = pairs[:, 0] << 32 | pairs[:, 1]
+    return keys
+
+
+@njit(cache=True, nogil=True)
+def rows_among(keys: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Rows (k,) of ``keys`` (k,) among ``others``, both ascending; -1 if missing."""
+    rows, j = np.full(len(keys), -1, np.int32), 0
+    for k in range(len(keys)):
+        while j < len(others) and others[j] < keys[k]:
+            j += 1
+        if j < len(others) and others[j] == keys[k]:
+            rows[k] = j
+    return rows
 
 
 @parallel()
