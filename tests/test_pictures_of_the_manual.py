@@ -46,8 +46,8 @@ def shown(texts):
 
 def made():
     """Paths of the pictures that scripts make, among them those of the film."""
-    # Blender's module draws one, by a script of its own: blender_pictures.py.
-    found = {path for name in [*names(), FILM, "blender"] for path in files(name)}
+    # Blender's module draws one, and JupyterLab another, by blender_pictures.py and notebook_picture.py.
+    found = {path for name in [*names(), FILM, "blender", "notebook"] for path in files(name)}
     return {path for path in found if path.suffix != ".webm"}
 
 

@@ -5,22 +5,16 @@ Both run on this machine only, and every request of their pages is written down.
 
 import json
 import os
-import shutil
-import socket
-import subprocess
-import sys
 import time
-from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import urlsplit
-from urllib.request import urlopen
 
 import pytest
+from notebook_pages import arrow, chromium, free_port, jupyterlab, run_first_cell, server, settle
 
 pytestmark = pytest.mark.extra
 
 ROOT = Path(__file__).parents[2]
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SECONDS = 8.0  # of a drag
 ENOUGH = 5.0  # shapes drawn a second on two cores that all of this shares; 8 to 17 were measured
 OPEN = f"""
@@ -66,47 +60,8 @@ COUNT = """(box) => {
 
 @pytest.fixture(scope="module")
 def browser():
-    from playwright.sync_api import sync_playwright
-
-    assert CHROMIUM, "Chromium is needed"
-    with sync_playwright() as playwright:
-        # As Chromium is by itself without a graphics processor: WebGL by SwiftShader, the page without it.
-        opened = playwright.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox", "--enable-unsafe-swiftshader"]
-        )
+    with chromium() as opened:
         yield opened
-        opened.close()
-
-
-@contextmanager
-def server(command, folder, port):
-    """A server on a port of this machine, with settings in a folder of its own."""
-    own = {
-        name: str(folder / name) for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")
-    }
-    own |= {"XDG_CONFIG_HOME": str(folder / "config"), "APD_VIEWER_LANGUAGE": "en"}
-    with (folder / "log").open("w") as log:
-        process = subprocess.Popen(
-            [sys.executable, "-m", *command], cwd=folder, env=os.environ | own, stdout=log, stderr=log
-        )
-    try:
-        for _ in range(300):
-            try:
-                urlopen(f"http://127.0.0.1:{port}/", timeout=5).close()
-                break
-            except OSError:
-                assert process.poll() is None, (folder / "log").read_text()
-                time.sleep(0.2)
-        yield
-    finally:
-        process.terminate()
-        process.wait(20)
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def recorded_page(browser, scheme="light"):
@@ -148,15 +103,6 @@ def drag(page):
     return shapes
 
 
-def arrow(page):
-    """Pixel of the view where the arrow along x is."""
-    return page.locator(".apd-view").evaluate("(box) => box.meshView.gizmoPixel(0)")
-
-
-def settle(page):
-    page.locator(".apd-line", has_text="converged").wait_for(timeout=120_000)
-
-
 def judge(told, shapes, hosts, record_property, name):
     alone, share = told["alone"], shapes / told["alone"]
     record_property(f"{name}: shapes drawn [1/s]", round(shapes, 1))
@@ -169,40 +115,11 @@ def judge(told, shapes, hosts, record_property, name):
 
 
 def test_live_view_follows_the_mouse_in_jupyterlab(browser, tmp_path, record_property):
-    port = free_port()
-    shown = "print('told', json.dumps(told))"
-    cells = [OPEN + "view", JUDGE + shown]
-    notebook = {
-        "cells": [
-            {
-                "cell_type": "code",
-                "id": f"c{k}",
-                "metadata": {},
-                "source": cell,
-                "outputs": [],
-                "execution_count": None,
-            }
-            for k, cell in enumerate(cells)
-        ],
-        "metadata": {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}},
-        "nbformat": 4,
-        "nbformat_minor": 5,
-    }
-    (tmp_path / "view.ipynb").write_text(json.dumps(notebook))
-    command = [
-        *("jupyterlab", "--no-browser", "--ip=127.0.0.1", f"--port={port}", "--allow-root"),
-        *("--IdentityProvider.token=secret", "--LabApp.news_url=", "--ServerApp.port_retries=0"),
-        *(
-            "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
-            f"--ServerApp.root_dir={tmp_path}",
-        ),
-    ]
-    with server(command, tmp_path, port):
+    cells = [OPEN + "view", JUDGE + "print('told', json.dumps(told))"]
+    with jupyterlab(tmp_path, cells) as address:
         page, hosts = recorded_page(browser)
-        page.goto(f"http://127.0.0.1:{port}/lab/tree/view.ipynb?token=secret")
-        page.locator(".jp-CodeCell").first.locator(".cm-content").click(timeout=60_000)
-        page.locator('[data-status="idle"]').first.wait_for(state="attached", timeout=60_000)
-        page.keyboard.press("Shift+Enter")
+        page.goto(address)
+        run_first_cell(page)
         page.locator(".apd-view canvas").wait_for(timeout=120_000)
         settle(page)
         shapes = drag(page)
