@@ -27,5 +27,9 @@ class InputError(ValueError):
     """
 
     def __str__(self) -> str:
-        said = super().__str__()
-        return "".join(sign if sign.isprintable() or sign in _KEPT else " " for sign in said)
+        return printable_text(super().__str__())
+
+
+def printable_text(text: str) -> str:
+    """Text on one line, with spaces for unprintable characters."""
+    return "".join(sign if sign.isprintable() or sign in _KEPT else " " for sign in text)

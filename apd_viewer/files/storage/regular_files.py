@@ -20,7 +20,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from apd_viewer.errors import InputError
+from apd_viewer.errors import InputError, printable_text
 from apd_viewer.files.storage.confinement import check_reading
 from apd_viewer.language import tr
 
@@ -126,7 +126,7 @@ def one_line_message(error: Exception) -> str:
 
 def _shortened_line(text: str, most: int) -> str:
     """Text on one line, cut to at most ``most`` characters."""
-    line = "".join(sign if sign.isprintable() else " " for sign in text)
+    line = printable_text(text)
     return line if len(line) <= most else line[:most] + "…"
 
 

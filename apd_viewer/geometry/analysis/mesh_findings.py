@@ -142,8 +142,9 @@ def topology_findings(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
     first, n, opposite = mesh.weld.first, len(mesh.weld.first), mesh.opposite_half_edges
     proper = np.flatnonzero((F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0]))
     if len(proper) < len(F):
-        opposite = frozen(opposite_half_edges(F[proper], n))
-    found = defects(F[proper], opposite)
+        F = F[proper]
+        opposite = frozen(opposite_half_edges(F, n))
+    found = defects(F, opposite)
     if n := len(found.duplicate_faces):
         sentence = trn(
             "{n:,} duplicate face; its area counts twice.",

@@ -16,7 +16,7 @@ from apd_viewer.geometry.contact.neighbour_bounds import NeighbourBounds
 from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches, pair_keys, rows_among
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference, largest_displacement
-from apd_viewer.geometry.mesh.arrays import distinct_keys
+from apd_viewer.geometry.mesh.edges_and_components import undirected_edges
 
 # In mean edge lengths: largest distance of patches with a bound, look-ahead of a search, and largest approach
 # of two patches in one step. Larger values mean more pairs, smaller ones more searches.
@@ -85,7 +85,7 @@ class NearPairs:
 
     def __init__(self, V: np.ndarray, F: np.ndarray, exempt_groups: np.ndarray, reach: float) -> None:
         self._reach = reach
-        E = _edges(F, len(V))
+        E = undirected_edges(F, len(V))
         self.edges = E
         lengths = np.linalg.norm(V[E[:, 0]] - V[E[:, 1]], axis=1)
         self._edge = float(lengths.mean())
@@ -269,10 +269,3 @@ class NoPairs:
     def springs(self, _: np.ndarray, _most: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """No springs; see :meth:`NearPairs.springs`."""
         return np.zeros((0, 4), np.int64), np.zeros(0), np.zeros((0, 4))
-
-
-def _edges(F: np.ndarray, n: int) -> np.ndarray:
-    """Unique edges (e, 2) of triangles, lower index first."""
-    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    key = distinct_keys(np.minimum(a, b).astype(np.int64) * n + np.maximum(a, b))
-    return np.column_stack([key // n, key % n])

@@ -109,7 +109,7 @@ def clustered_mesh(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray
 
 @njit(cache=True, nogil=True)
 def _cluster_centres(V: np.ndarray, F: np.ndarray, lowest: np.ndarray, side: float) -> np.ndarray:
-    """Vertex nearest to the centre of each vertex's part of the surface in its cell, (n,) int array."""
+    """Central vertex of each vertex's part of the surface in its cell, (n,)."""
     n = V.shape[0]
     cell = np.floor((V - lowest) / side)
     part = np.arange(n)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.linalg.kernels import njit
+from apd_viewer.geometry.mesh.arrays import distinct_keys
 from apd_viewer.language import tr, trn
 
 BOUNDARY = -1  # edge of only one triangle
@@ -71,6 +72,14 @@ def _edges_by_lower_end(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
                 edges[start[v + 1]] = h
                 start[v + 1] += 1
     return start[:-1], edges
+
+
+def undirected_edges(F: np.ndarray, n: int) -> np.ndarray:
+    """Edges (e, 2) of triangles with ``n`` vertices, the lower end first, ascending."""
+    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    low, high = np.minimum(a, b).astype(np.int64), np.maximum(a, b)
+    key = distinct_keys((low * n + high)[low != high])
+    return np.column_stack([key // n, key % n])
 
 
 def boundary_edges(F: np.ndarray, opposite: np.ndarray) -> np.ndarray:

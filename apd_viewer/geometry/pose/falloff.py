@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from apd_viewer.geometry.mesh.arrays import distinct_keys
+from apd_viewer.geometry.mesh.edges_and_components import undirected_edges
 from apd_viewer.geometry.pose.constraints import SoftConstraints
 
 Graph: TypeAlias = csr_array
@@ -24,10 +24,7 @@ _FIRMNESS = 25.0
 
 def edge_graph(V: np.ndarray, F: np.ndarray) -> Graph:
     """Sparse matrix (n, n) of the edge lengths of ``V`` (n, 3), ``F`` (m, 3)."""
-    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    key = distinct_keys((low * len(V) + high)[low != high])
-    low, high = key // len(V), key % len(V)
+    low, high = undirected_edges(F, len(V)).T
     # The graph search ignores edges of length zero, so that coincident vertices need a tiny length.
     length = np.maximum(np.linalg.norm(V[high] - V[low], axis=1), np.finfo(float).tiny)
     graph: Graph = coo_array((length, (low, high)), shape=(len(V), len(V))).tocsr()
