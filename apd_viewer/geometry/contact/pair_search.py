@@ -8,7 +8,8 @@ import numpy as np
 from numba import prange
 
 from apd_viewer.geometry.contact.distances import edge_edge, vertex_triangle
-from apd_viewer.geometry.contact.patches import Patches, box_distance, boxes_within
+from apd_viewer.geometry.contact.near_boxes import box_distance, boxes_within
+from apd_viewer.geometry.contact.patches import Patches
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.linalg.threads import parallel
 

@@ -11,7 +11,7 @@ from PySide6.QtGui import QMouseEvent
 
 from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.geometry.analysis.target_shape import TargetShape
-from apd_viewer.geometry.contact.contact_pressure import ContactPressure
+from apd_viewer.geometry.contact.mesh_contact import ContactPressure
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.warmup import warm_up
@@ -418,7 +418,7 @@ def _pressure(document: Document, keeps_apart: bool) -> Callable[[np.ndarray], n
 
     def pressure(U: np.ndarray) -> np.ndarray:
         # Imported here so that the window is shown before the solver is loaded.
-        from apd_viewer.geometry.contact.contact_pressure import ContactPressure
+        from apd_viewer.geometry.contact.mesh_contact import ContactPressure
 
         if not keeps_apart or document.paint_problem:
             return np.full(len(U), np.nan)

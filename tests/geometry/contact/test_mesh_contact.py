@@ -5,7 +5,7 @@ import pytest
 from meshes import grid
 from scipy.spatial import cKDTree
 
-from apd_viewer.geometry.contact.contact_pressure import ContactPressure
+from apd_viewer.geometry.contact.mesh_contact import ContactPressure
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 
