@@ -81,9 +81,23 @@ def mesh_contents(suffix):
         if suffix in (".obj", ".ply", ".glb", ".gltf"):
             found.append(getattr(textured_files, suffix[1:])(Path(folder)).read_bytes())
         if suffix in (".glb", ".gltf"):
-            for made in (scene(), colored_scene(), textured_scene()):
+            for made in (scene(), colored_scene(), textured_scene(), *refused_scenes()):
                 found.append(made.write(Path(folder, f"scene{suffix}")).read_bytes())
     return found
+
+
+def refused_scenes():
+    """Scenes with another scene beside them, and some that need or hold what cannot be read."""
+    for more, weights in (
+        ({}, None),
+        ({"extensionsRequired": ["EXT_magic"]}, None),
+        ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, None),
+        ({}, ["a"]),
+    ):
+        found = GltfScene(**more)
+        found.node(mesh=found.mesh(MESH.V, MESH.F, weights, targets=["a"]))
+        found.document["scenes"].append({"nodes": [found.node(root=False, mesh=0)]})
+        yield found
 
 
 def ply_contents():
