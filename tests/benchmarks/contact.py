@@ -1,10 +1,11 @@
 """What contact costs on the sample bottle, and where twists and pushes end with it.
 
-    python tests/benchmarks/contact.py [CASE ...]
+    python tests/benchmarks/contact.py [--refined] [CASE ...]
 
 A case is ``twist:DEGREES`` or ``push:SHARE`` (of the height), whose every frame is checked by ipctk, or what
 steps of 2° cost with and without contact in turns, ``free`` (up to 50°, where nothing touches) and
-``touching`` (from 120° to 160°). Times are those of the processor on one core, without the checks.
+``touching`` (from 120° to 160°). With ``--refined`` every triangle is cut in four. Times are those of the
+processor on one core, without the checks.
 """
 
 import os
@@ -16,6 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import ipctk
 import numpy as np
+from contact_at_size import cut_in_four
 
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.linalg.threads import cores_for
@@ -32,11 +34,13 @@ QUARTER = 90.0  # degrees; a turn goes in such steps, each to its end but the la
 
 
 class Bottle:
-    """The sample with its paint, twisted or pushed."""
+    """The sample with its paint, refined or not, twisted or pushed."""
 
-    def __init__(self) -> None:
+    def __init__(self, is_refined: bool = False) -> None:
         mesh, labels = open_sample("bottle")
         self.V, self.F = mesh.V, mesh.F
+        if is_refined:
+            self.V, self.F, labels = cut_in_four(self.V, self.F, labels)
         self.fixed = np.flatnonzero(labels != FREE)
         self.handle = np.flatnonzero(labels >= HANDLE)
         self.rows = labels[self.fixed] >= HANDLE
@@ -122,7 +126,8 @@ def print_cost(bottle: Bottle, first: int, last: int) -> None:
 
 def main() -> None:
     """Print the tables."""
-    bottle, cases = Bottle(), sys.argv[1:] or CASES
+    bottle = Bottle("--refined" in sys.argv)
+    cases = [case for case in sys.argv[1:] if case != "--refined"] or CASES
     ends = [case for case in cases if ":" in case]
     with cores_for(len(bottle.V)):
         if ends:
