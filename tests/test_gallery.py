@@ -126,5 +126,5 @@ def test_gallery_has_a_script_that_crushes_a_bottle_into_a_gltf_in_metres(compil
     shapes = list(open_animation(path).shapes)
     assert len(shapes) == 3
     volumes = [trimesh.Trimesh(U, rest.faces, process=False).volume for U in shapes]
-    assert volumes[0] == pytest.approx(0.5e-3, rel=0.02)
+    assert volumes[0] == pytest.approx(0.5e-3, rel=0.03)  # as coarse as here
     assert volumes[2] < 0.9 * volumes[0]
