@@ -188,7 +188,7 @@ def deform(
         Also there.
     contact : bool, optional
         Whether to prevent self-intersections beyond those at rest; held vertices may be stopped by contact.
-        On by default up to 60,000 vertices, for the methods "exact", "local", "wall" and "arap", unless
+        On by default up to 40,000 vertices, for the methods "exact", "local", "wall" and "arap", unless
         iterations are plain.
     shifts : (o, 3) float array, optional
         Displacement of each obstacle, moving straight and together with the held vertices, by an equal part

@@ -20,7 +20,7 @@ DEFAULT_SHEAR_STIFFNESS = 0.1
 DEFAULT_POISSON = 0.4
 _LOCAL_RIGIDITY = 0.1
 # Largest number of vertices for interactive speed in contact, the same on all machines.
-MOST_VERTICES_IN_CONTACT = 60_000
+MOST_VERTICES_IN_CONTACT = 40_000
 # Largest number of vertices of a wall: the factors of its Hessian then take about 3 GB.
 _MOST_WALL_VERTICES = 100_000
 
