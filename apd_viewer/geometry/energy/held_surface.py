@@ -30,6 +30,8 @@ class HeldSurface(ABC):
     free : (f,) int array
         Vertices to solve for. If any are held, components without a held vertex are excluded: their position
         is undetermined, so they stay at rest (see :class:`LooseComponents`).
+    is_held, is_free : (n,) bool arrays
+        Masks of ``fixed`` and ``free``.
     place : (n,) int array
         Rows of the free vertices; from -1 downwards, rows of the held ones; f for vertices at rest.
     spring_constants : (s,) float array
@@ -47,9 +49,10 @@ class HeldSurface(ABC):
     ) -> None:
         self.rest, self.fixed, self.soft, self.U = rest, fixed, soft, rest.V
         self.spring_constants = soft.density * rest.vertex_areas[soft.ids] if len(soft.ids) else soft.density
-        moves = rest.is_connected_to(fixed)
-        moves[fixed] = False
-        self.free = np.flatnonzero(moves)
+        self.is_held = np.zeros(len(rest.V), dtype=bool)
+        self.is_held[fixed] = True
+        self.is_free = rest.is_connected_to(fixed) & ~self.is_held
+        self.free = np.flatnonzero(self.is_free)
         self.place = np.full(len(rest.V), len(rest.V))
         self.place[self.free] = np.arange(len(self.free))
         self.place[fixed] = -1 - np.arange(len(fixed))

@@ -27,7 +27,6 @@ from apd_viewer.geometry.mesh.decimation import (
     mean_edge_length,
 )
 from apd_viewer.geometry.mesh.edges_and_components import vertex_components
-from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import edge_weights, face_areas, laplacian, vertex_areas
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
 
@@ -63,7 +62,7 @@ class SolveMesh:
     @cached_property
     def W(self) -> sp.csr_array:
         """Matrix of edge weights, (n, n)."""
-        return edge_weights(self.V, self.F)
+        return edge_weights(self.V, self.all_triangles)
 
     @cached_property
     def L(self) -> sp.csr_array:
@@ -108,10 +107,8 @@ class SolveMesh:
         count = int(np.clip(len(self.V) / _RATIO, FEWEST_COARSE_VERTICES, MOST_COARSE_VERTICES))
         vertices, F = decimated_mesh(self.V, self.F, count)
         edge = mean_edge_length(self.V[vertices], F)
-        normals = vertex_normals(self.V, self.F)
-        return Decimation(
-            vertices, F, *coarse_neighbours(self.V, normals, self.component, vertices, edge), edge
-        )
+        near, weight = coarse_neighbours(self.V, self.F, self.component, vertices, edge)
+        return Decimation(vertices, F, near, weight, edge)
 
     @cached_property
     def area_penalty(self) -> AreaPenalty:
@@ -122,6 +119,20 @@ class SolveMesh:
     def coarse_mesh(self) -> SolveMesh:
         """Coarse mesh of :attr:`decimation`."""
         return SolveMesh(self.V[self.decimation.vertices], self.decimation.F, self._thinnings[1:])
+
+    @property
+    def interpolation(self) -> sp.csr_array:
+        """Interpolation from the coarse mesh's vertices by the weights of :attr:`decimation`, (n, c)."""
+        near, weight = self.decimation.coarse_neighbours, self.decimation.weight
+        ends = np.arange(0, near.size + 1, near.shape[1], dtype=near.dtype)
+        shape = len(self.V), len(self.decimation.vertices)
+        return sp.csr_array((weight.ravel(), near.ravel(), ends), shape=shape)
+
+    @cached_property
+    def coarse_laplacian(self) -> sp.csr_array:
+        """The Laplacian restricted to the coarse mesh, ``P^T L P`` with the interpolation P, (c, c)."""
+        P = self.interpolation
+        return (P.T @ (self.L @ P)).tocsr()
 
     @cached_property
     def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

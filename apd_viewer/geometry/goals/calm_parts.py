@@ -130,48 +130,37 @@ def log_handle_flux(
     solve_mesh, held, handle_of, soft
         See :func:`calm_level_weights`.
     """
-    V, F = solve_mesh.V, solve_mesh.F
+    V, F, free = solve_mesh.V, solve_mesh.F, _is_free(solve_mesh, held)
     size = face_areas(V, F)
-    size = np.where(size > _SLIVER * size.mean(), size, 0.0)
-    squared = _squared_slopes(V, F, _potentials(solve_mesh, held, handle_of, soft))
-    squared[size == 0.0] = 0.0
-    whole = inner_product(size, squared)
+    size[size <= _SLIVER * size.mean()] = 0.0
+    h = _potentials(solve_mesh, held, handle_of, soft, free)
+    whole, squared, flux, around = _fluxes(V, F, size, h, free)
     if whole <= _ROUNDING:
         return np.zeros(len(V))  # no free surface connects a handle with other held vertices
-    mean = inner_product(size, squared**2) / whole
-    size = size * _is_free(solve_mesh, held)[F].any(axis=1)  # held triangles are left out
-    around = np.maximum(np.bincount(F.ravel(), np.repeat(size, 3), len(V)), 1e-300)
-    share = np.bincount(F.ravel(), np.repeat(size * squared, 3), len(V)) / around / mean
+    share = flux / np.maximum(around, 1e-300) * (whole / squared)
     return np.log10(np.maximum(share, _LEAST_FLUX))
 
 
 def _potentials(
-    solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints
+    solve_mesh: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: SoftConstraints, is_free: np.ndarray
 ) -> np.ndarray:
     """Harmonic functions (n, h): 1 on a handle, 0 on all other held vertices."""
     n, handles = len(solve_mesh.V), np.arange(1, int(handle_of.max(initial=0)) + 1)
     h = np.zeros((n, len(handles)))
     h[held] = handle_of[:, None] == handles
-    free = np.flatnonzero(_is_free(solve_mesh, held))
-    if not len(free) or not len(handles):
+    if not is_free.any() or not len(handles):
         return h
     springs, drawn = np.zeros(n), np.zeros_like(h)
     springs[soft.ids] = soft.density * solve_mesh.vertex_areas[soft.ids]
     drawn[soft.ids, soft.handle] = springs[soft.ids]
-    rows = solve_mesh.L.tocsr()[free]
-    matrix = (rows[:, free] + diags_array(springs[free])).tocsr()
-    b = drawn[free] - rows[:, held] @ h[held]
+    b = drawn - solve_mesh.L @ h
     if n <= LARGE or len(solve_mesh.decimation.vertices) > n / 2:
-        h[free] = LinearSolver(matrix, solve_mesh.V[free]).solve_refined(b)
-    else:
-        thinning = solve_mesh.decimation
-        ends = np.arange(0, thinning.coarse_neighbours.size + 1, thinning.coarse_neighbours.shape[1])
-        interpolation = csr_array(
-            (thinning.weight.ravel(), thinning.coarse_neighbours.ravel(), ends),
-            shape=(n, len(thinning.vertices)),
-        )
-        h[free] = solve_two_grid(matrix, b, interpolation[free], solve_mesh.coarse_mesh.V, _STEPS)
-    return h
+        free = np.flatnonzero(is_free)
+        matrix = (solve_mesh.L.tocsr()[free][:, free] + diags_array(springs[free])).tocsr()
+        h[free] = LinearSolver(matrix, solve_mesh.V[free]).solve_refined(b[free])
+        return h
+    P, L, R = solve_mesh.interpolation, solve_mesh.L, solve_mesh.coarse_laplacian
+    return h + solve_two_grid(L, springs, is_free, b, P, R, solve_mesh.coarse_mesh.V, _STEPS)
 
 
 def _is_free(solve_mesh: SolveMesh, held: np.ndarray) -> np.ndarray:
@@ -189,51 +178,94 @@ def _is_reached(solve_mesh: SolveMesh, held: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True)
-def _squared_slopes(V: np.ndarray, F: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """``sum |grad h|^2`` (m,) of the functions ``h`` (n, k) in the triangles."""
-    total = np.zeros(len(F))
+def _fluxes(
+    V: np.ndarray, F: np.ndarray, size: np.ndarray, h: np.ndarray, free: np.ndarray
+) -> tuple[float, float, np.ndarray, np.ndarray]:
+    """Integrals of ``q = sum |grad h|^2`` for the functions ``h`` (n, k).
+
+    Those of ``q`` and ``q^2`` over all triangles, of areas ``size`` (m,), and three times those of ``q`` and
+    of 1 around every vertex (n,), where held triangles are left out.
+    """
+    whole, squared, flux, around = 0.0, 0.0, np.zeros(len(V)), np.zeros(len(V))
     for t in range(len(F)):
+        if size[t] == 0.0:
+            continue
         a, b, c = F[t, 0], F[t, 1], F[t, 2]
         ux, uy, uz = V[b, 0] - V[a, 0], V[b, 1] - V[a, 1], V[b, 2] - V[a, 2]
         vx, vy, vz = V[c, 0] - V[a, 0], V[c, 1] - V[a, 1], V[c, 2] - V[a, 2]
-        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-        squared = max(nx * nx + ny * ny + nz * nz, 1e-300)
+        q, double = 0.0, 2.0 * size[t]
         for k in range(h.shape[1]):
             # The gradient of h, but for a quarter turn in the plane and a division by twice the area.
-            along, across = h[b, k] - h[a, k], h[c, k] - h[a, k]
+            along, across = (h[b, k] - h[a, k]) / double, (h[c, k] - h[a, k]) / double
             x, y, z = across * ux - along * vx, across * uy - along * vy, across * uz - along * vz
-            total[t] += (x * x + y * y + z * z) / squared
-    return total
+            q += x * x + y * y + z * z
+        whole += size[t] * q
+        squared += size[t] * q * q
+        if free[a] or free[b] or free[c]:
+            for v in (a, b, c):
+                flux[v] += size[t] * q
+                around[v] += size[t]
+    return whole, squared, flux, around
 
 
-# Shift of the coarse matrix, relative to its mean diagonal entry; without it, coarse unknowns that no fine
-# vertex uses would make it singular.
-_SHIFT = 1e-9
+# Shift of the coarse matrix, relative to its mean diagonal entry; without it, coarse unknowns that only one
+# fine vertex uses would make it singular.
+_SHIFT = 1e-6
 
 
-def solve_two_grid(A: csr_array, B: np.ndarray, P: csr_array, coarse_V: np.ndarray, steps: int) -> np.ndarray:
-    """Approximate ``A^-1 B`` by ``steps`` preconditioned conjugate gradient steps.
+def solve_two_grid(
+    L: csr_array,
+    springs: np.ndarray,
+    is_free: np.ndarray,
+    B: np.ndarray,
+    P: csr_array,
+    R: csr_array,
+    coarse_V: np.ndarray,
+    steps: int,
+) -> np.ndarray:
+    """Approximate ``(L + springs)^-1 B`` by preconditioned conjugate gradients.
 
     Parameters
     ----------
-    A : (n, n) csr_array
-        Symmetric positive definite.
+    L : (n, n) csr_array
+        Symmetric positive semi-definite.
+    springs : (n,) float array
+        Added to its diagonal.
+    is_free : (n,) bool array
+        The unknowns; all other rows and columns are left out.
     B : (n, k) float array
     P : (n, c) csr_array
         Interpolation from the coarse unknowns.
+    R : (c, c) csr_array
+        ``P^T L P``.
     coarse_V : (c, 3) float array
         Positions of the coarse unknowns.
     steps : int
         Each reduces the error by about a third.
+
+    Returns
+    -------
+    (n, k) float array
+        Zero but for the unknowns.
     """
-    R = P.T.tocsr()
-    coarse = R @ A @ P
-    coarse += diags_array(np.full(coarse.shape[0], _SHIFT * coarse.diagonal().mean()))
-    factor, inverse = LinearSolver(coarse.tocsr(), coarse_V), 1.0 / A.diagonal()
+    # With E the rows of P at the unknowns and H all others, E^T L E takes far fewer products than without R.
+    others, elastic = np.flatnonzero(~is_free), np.flatnonzero(springs)
+    H, S = P[others], P[elastic]
+    LH = L[:, others] @ H
+    mixed = P.T @ LH
+    coarse = R - mixed - mixed.T + H.T @ LH[others] + S.T @ diags_array(springs[elastic]) @ S
+    used = np.flatnonzero(P.T @ is_free.astype(float))
+    coarse = coarse.tocsr()[used][:, used]
+    coarse += diags_array(np.full(len(used), _SHIFT * coarse.diagonal().mean()))
+    factor, diagonal = LinearSolver(coarse.tocsr(), coarse_V[used]), L.diagonal() + springs
+    inverse = np.divide(is_free, diagonal, out=np.zeros_like(diagonal), where=is_free)
 
     def corrected(r: np.ndarray) -> np.ndarray:
-        return P @ factor.solve((R @ r)[:, None])[:, 0]
+        e = np.zeros(P.shape[1])
+        e[used] = factor.solve((P.T @ r)[used, None])[:, 0]
+        return is_free * (P @ e)
 
-    M = LinearOperator(A.shape, lambda r: inverse * r + corrected(r), dtype=np.float64)
-    columns = (cg(A, b, corrected(b), rtol=0.0, maxiter=steps, M=M)[0] for b in B.T)
+    A = LinearOperator(L.shape, lambda x: is_free * (L @ x + springs * x), dtype=np.float64)
+    M = LinearOperator(L.shape, lambda r: inverse * r + corrected(r), dtype=np.float64)
+    columns = (cg(A, b, corrected(b), rtol=0.0, maxiter=steps, M=M)[0] for b in (B.T * is_free))
     return np.column_stack(list(columns))

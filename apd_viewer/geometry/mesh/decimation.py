@@ -154,13 +154,13 @@ def mean_edge_length(V: np.ndarray, F: np.ndarray) -> float:
 
 
 def coarse_neighbours(
-    V: np.ndarray, normals: np.ndarray, component: np.ndarray, vertices: np.ndarray, edge_length: float
+    V: np.ndarray, F: np.ndarray, component: np.ndarray, vertices: np.ndarray, edge_length: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Coarse neighbours of each vertex, on its own side of a thin wall.
 
     Parameters
     ----------
-    V, normals : (n, 3) float arrays
+    V, F : (n, 3) float array, (m, 3) int array
     component : (n,) int array
         The connected piece of every vertex; there is no going with another one.
     vertices : (c,) int array
@@ -175,7 +175,7 @@ def coarse_neighbours(
     weight : (n, 4) float array
         Rows sum to one, or to zero where the thinned mesh has nothing of the piece.
     """
-    place = np.hstack([V, _ACROSS * edge_length * normals])
+    place = _places(V, F, _ACROSS * edge_length)
     distance, near = KDTree(place[vertices]).query(place, k=_NEAREST, workers=-1)
     weight = 1.0 / np.maximum(distance, 1e-3 * edge_length)
     weight[component[vertices[near]] != component[:, None]] = 0.0
@@ -183,8 +183,30 @@ def coarse_neighbours(
     return near.astype(np.int32), weight
 
 
+@njit(cache=True, nogil=True)
+def _places(V: np.ndarray, F: np.ndarray, across: float) -> np.ndarray:
+    """Positions, then unit normals times ``across``, (n, 6)."""
+    place = np.zeros((len(V), 6))
+    for t in range(len(F)):
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        ax, ay, az = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
+        bx, by, bz = V[k, 0] - V[i, 0], V[k, 1] - V[i, 1], V[k, 2] - V[i, 2]
+        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        for v in (i, j, k):
+            place[v, 3] += x
+            place[v, 4] += y
+            place[v, 5] += z
+    for v in range(len(V)):
+        length = np.sqrt(place[v, 3] ** 2 + place[v, 4] ** 2 + place[v, 5] ** 2)
+        for axis in range(3):
+            place[v, axis] = V[v, axis]
+            if length > 0.0:
+                place[v, 3 + axis] = across * (place[v, 3 + axis] / length)
+    return place
+
+
 def with_held_vertices(
-    V: np.ndarray, component: np.ndarray, decimation: Decimation, fixed: np.ndarray
+    V: np.ndarray, component: np.ndarray, decimation: Decimation, is_held: np.ndarray
 ) -> np.ndarray:
     """Vertices of a decimated mesh, some of them replaced by nearby held vertices.
 
@@ -196,17 +218,16 @@ def with_held_vertices(
     component : (n,) int array
         The connected piece of every vertex.
     decimation : Decimation
-    fixed : (k,) int array
-        The held vertices.
+    is_held : (n,) bool array
     """
-    vertices = decimation.vertices.copy()
+    vertices, fixed = decimation.vertices.copy(), np.flatnonzero(is_held)
     while True:
-        heard = vertices[np.isin(vertices, fixed)]
+        heard = vertices[is_held[vertices]]
         away = KDTree(V[heard]).query(V[fixed], workers=-1)[0] if len(heard) else np.full(len(fixed), np.inf)
-        same = np.isin(component[fixed], component[vertices[~np.isin(vertices, fixed)]])
+        same = np.isin(component[fixed], component[vertices[~is_held[vertices]]])
         farthest = int(np.argmax(np.where(same, away, 0.0)))
         if not same.any() or away[farthest] <= _UNHEARD * decimation.edge_length:
             return vertices
         lonely = fixed[farthest]
-        others = np.flatnonzero(~np.isin(vertices, fixed) & (component[vertices] == component[lonely]))
+        others = np.flatnonzero(~is_held[vertices] & (component[vertices] == component[lonely]))
         vertices[others[np.argmin(np.linalg.norm(V[vertices[others]] - V[lonely], axis=1))]] = lonely

@@ -6,9 +6,12 @@ integer array of triangles, counter-clockwise seen from outside.
 
 import numpy as np
 import scipy.sparse as sp
+from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.mesh.edges_and_components import boundary_vertices
+from apd_viewer.geometry.linalg.threads import parallel
+from apd_viewer.geometry.mesh.edges_and_components import boundary_vertices, join
+from apd_viewer.geometry.mesh.weighted_areas import Patch
 
 
 def vertex_neighbours(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -55,9 +58,14 @@ def area(U: np.ndarray, F: np.ndarray) -> float:
     return float(face_areas(U, F).sum())
 
 
+@njit(cache=True, nogil=True)
 def vertex_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     """One third of the area of the triangles around every vertex, (n,) float array."""
-    return np.bincount(F.ravel(), weights=np.repeat(face_areas(V, F) / 3.0, 3), minlength=len(V))
+    areas, sizes = np.zeros(len(V)), face_areas(V, F)
+    for t in range(len(F)):
+        for c in range(3):
+            areas[F[t, c]] += sizes[t] / 3.0
+    return areas
 
 
 @njit(cache=True, nogil=True)
@@ -151,35 +159,111 @@ def _opposite_edges(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return F[:, [1, 2, 0]].ravel().astype(np.int32), F[:, [2, 0, 1]].ravel().astype(np.int32)
 
 
-def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
+def edge_weights(V: np.ndarray, patch: Patch) -> sp.csr_array:
     """Symmetric matrix of cotangent weights, negative cotangents set to zero.
 
     ``w_ij = (max(0, cot a_ij) + max(0, cot b_ij)) / 2``. Each cotangent is clamped by itself, as CGAL does;
     clamping the sum gives another energy. Where clamping cuts a connected piece apart (needles, obtuse fans),
     the edges between the parts get a weight that is tiny, or the Laplacian of the piece would be singular.
 
+    Parameters
+    ----------
+    V : (n, 3) float array
+    patch : Patch
+        The triangles.
+
     Returns
     -------
     (n, n) csr_array
         Zero diagonal; every edge of the mesh is stored, also those of weight zero.
     """
-    n = len(V)
-    cot = np.clip(cotangents(V, F), 0.0, _STEEPEST)
-    i, j = _opposite_edges(F)
-    w = 0.5 * cot.ravel()
-    edge = i != j
-    i, j, w = i[edge], j[edge], w[edge]
-    W = sp.coo_array((np.concatenate([w, w]), (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(n, n))
-    W = W.tocsr()
-    W.sort_indices()
-    positive = W.copy()
-    positive.eliminate_zeros()
-    part = sp.csgraph.connected_components(positive, directed=False)[1]
-    row = np.repeat(np.arange(n), np.diff(W.indptr))
-    # Median, because a single sliver would dominate the mean.
-    usual = np.median(positive.data) if positive.nnz else 1.0
-    W.data[part[row] != part[W.indices]] = _WEIGHT_FLOOR * usual
-    return W
+    n, cot = len(V), np.clip(cotangents(V, patch.F), 0.0, _STEEPEST)
+    start, column, weight = _joined_edges(*_sorted_edges(patch.start, patch.corner, patch.F, cot))
+    cut = _cut_edges(patch.F, cot, start, column)
+    if cut.any():
+        # Median, because a single sliver would dominate the mean.
+        positive = weight[weight > 0.0]
+        weight[cut] = _WEIGHT_FLOOR * (np.median(positive) if len(positive) else 1.0)
+    return sp.csr_array((weight, column, start), shape=(n, n))
+
+
+# Vertices per parallel task, and number of edges up to which insertion sorts them fastest.
+_PORTION, _FEW = 1024, 64
+
+
+@parallel()
+def _sorted_edges(
+    start: np.ndarray, corner: np.ndarray, F: np.ndarray, cot: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Neighbours by vertex, ascending and each once, with weights, and how many there are.
+
+    Those of vertex i begin at ``2 start[i]``, where there is room for both edges of each of its corners.
+    """
+    n = len(start) - 1
+    column, weight = np.empty(2 * F.size, dtype=np.int32), np.empty(2 * F.size)
+    count = np.empty(n, dtype=np.int32)
+    for portion in prange((n + _PORTION - 1) // _PORTION):
+        for i in range(portion * _PORTION, min(n, (portion + 1) * _PORTION)):
+            first = last = 2 * start[i]
+            for e in range(start[i], start[i + 1]):
+                t, c = corner[e] // 3, corner[e] % 3
+                for d in range(1, 3):
+                    j = F[t, (c + d) % 3]
+                    if j != i:
+                        column[last], weight[last] = j, 0.5 * cot[t, (c + 3 - d) % 3]
+                        last += 1
+            if last - first > _FEW:
+                order = np.argsort(column[first:last], kind="mergesort")
+                column[first:last], weight[first:last] = column[first:last][order], weight[first:last][order]
+            else:
+                for e in range(first + 1, last):
+                    j, w, at = column[e], weight[e], e
+                    while at > first and column[at - 1] > j:
+                        column[at], weight[at] = column[at - 1], weight[at - 1]
+                        at -= 1
+                    column[at], weight[at] = j, w
+            kept = first
+            for e in range(first, last):
+                if kept > first and column[e] == column[kept - 1]:
+                    weight[kept - 1] += weight[e]
+                else:
+                    column[kept], weight[kept] = column[e], weight[e]
+                    kept += 1
+            count[i] = kept - first
+    return start, column, weight, count
+
+
+@parallel()
+def _joined_edges(
+    room: np.ndarray, column: np.ndarray, weight: np.ndarray, count: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Starts (n + 1,), columns and entries of the rows of :func:`_sorted_edges`, without gaps."""
+    n = len(count)
+    start = np.zeros(n + 1, dtype=np.int32)
+    for i in range(n):
+        start[i + 1] = start[i] + count[i]
+    near, w = np.empty(start[n], dtype=np.int32), np.empty(start[n])
+    for i in prange(n):
+        for e in range(count[i]):
+            near[start[i] + e], w[start[i] + e] = column[2 * room[i] + e], weight[2 * room[i] + e]
+    return start, near, w
+
+
+@njit(cache=True, nogil=True)
+def _cut_edges(F: np.ndarray, cot: np.ndarray, start: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """Mask (k,) of the edges between parts that no edges of positive weight connect."""
+    part = np.arange(len(start) - 1)
+    for t in range(len(F)):
+        for c in range(3):
+            if cot[t, c] > 0.0:
+                join(part, F[t, (c + 1) % 3], F[t, (c + 2) % 3])
+    for i in range(len(part)):
+        part[i] = part[part[i]]  # the parent is a lower vertex
+    cut = np.zeros(len(column), dtype=np.bool_)
+    for i in range(len(part)):
+        for e in range(start[i], start[i + 1]):
+            cut[e] = part[i] != part[column[e]]
+    return cut
 
 
 def laplacian(W: sp.csr_array) -> sp.csr_array:

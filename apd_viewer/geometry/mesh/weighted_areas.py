@@ -36,9 +36,7 @@ class Patch:
 
     def __init__(self, F: np.ndarray, n: int) -> None:
         self.F = np.ascontiguousarray(F, dtype=np.uint32)
-        self.start, self.corner = _corners(self.F, n)
-        t, c = np.divmod(self.corner, 3)
-        self.second, self.third = self.F[t, (c + 1) % 3], self.F[t, (c + 2) % 3]
+        self.start, self.corner, self.second, self.third = _corners(self.F, n)
 
     def area(self, U: np.ndarray) -> float:
         """Area at ``U`` (n, 3)."""
@@ -74,10 +72,7 @@ class WeightedAreas:
         self._all_areas = int(all_areas[0]) if len(all_areas) else -1
         counts = weight != 0.0
         counts[:, all_areas] = False
-        n = len(patch.start) - 1
-        self.support = np.zeros((n, self.count), dtype=bool)
-        for corners in patch.F.T:
-            np.logical_or.at(self.support, corners, counts)
+        self.support = _with_corners(patch.start, patch.corner, counts)
         self._weights = *row_nonzeros(counts), weight[counts]
         self._partial = row_nonzeros(self.support)
         self.support[:, all_areas] = True
@@ -106,9 +101,20 @@ class WeightedAreas:
 
 def row_nonzeros(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Row starts (n + 1,) and column indices of the True entries of a ``mask`` (n, k)."""
-    rows, columns = np.nonzero(mask)
-    starts = np.searchsorted(rows, np.arange(len(mask) + 1))
-    return starts.astype(np.uint32), columns.astype(np.uint32)
+    starts = np.zeros(len(mask) + 1, dtype=np.uint32)
+    starts[1:] = np.cumsum(np.count_nonzero(mask, axis=1))
+    return starts, np.nonzero(mask)[1].astype(np.uint32)
+
+
+@parallel()
+def _with_corners(start: np.ndarray, corner: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Mask (n, g) of the vertices of the triangles in the mask ``counts`` (m, g)."""
+    support = np.zeros((len(start) - 1, counts.shape[1]), dtype=np.bool_)
+    for i in prange(len(support)):
+        for e in range(start[i], start[i + 1]):
+            for k in range(counts.shape[1]):
+                support[i, k] |= counts[corner[e] // 3, k]
+    return support
 
 
 def triangle_weights(F: np.ndarray, weight: np.ndarray | None, is_smooth: bool) -> np.ndarray:
@@ -120,7 +126,8 @@ def triangle_weights(F: np.ndarray, weight: np.ndarray | None, is_smooth: bool) 
 
 
 @njit(cache=True, nogil=True)
-def _corners(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+def _corners(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Starts (n + 1,) of the corners at each vertex, those corners, and what follows each."""
     start = np.zeros(n + 1, dtype=np.uint32)
     for t in range(len(F)):
         for c in range(3):
@@ -129,11 +136,13 @@ def _corners(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
         start[i + 1] += start[i]
     following = start[:-1].copy()
     corner = np.empty(3 * len(F), dtype=np.uint32)
+    second, third = np.empty_like(corner), np.empty_like(corner)
     for t in range(len(F)):
         for c in range(3):
-            corner[following[F[t, c]]] = 3 * t + c
+            at = following[F[t, c]]
             following[F[t, c]] += 1
-    return start, corner
+            corner[at], second[at], third[at] = 3 * t + c, F[t, (c + 1) % 3], F[t, (c + 2) % 3]
+    return start, corner, second, third
 
 
 @parallel()
@@ -153,13 +162,22 @@ def total_area(U: np.ndarray, F: np.ndarray) -> float:
     return 0.5 * sum_of_portions(doubles)
 
 
+@parallel()
 def edge_lengths(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Lengths (m, 3) of the edges of the triangles ``F`` (m, 3).
 
     They are those from the first corner to the second and third, and from the second to the third.
     """
-    a, b = V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]
-    return np.stack([np.linalg.norm(edge, axis=1) for edge in (a, b, b - a)], axis=1)
+    lengths = np.empty((len(F), 3))
+    for t in prange(len(F)):
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        ax, ay, az = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
+        bx, by, bz = V[k, 0] - V[i, 0], V[k, 1] - V[i, 1], V[k, 2] - V[i, 2]
+        x, y, z = bx - ax, by - ay, bz - az
+        lengths[t, 0] = np.sqrt(ax * ax + ay * ay + az * az)
+        lengths[t, 1] = np.sqrt(bx * bx + by * by + bz * bz)
+        lengths[t, 2] = np.sqrt(x * x + y * y + z * z)
+    return lengths
 
 
 @parallel()

@@ -22,6 +22,7 @@ from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.goals import Goal, goal_at_rest
 from apd_viewer.geometry.linalg.rotations import blended_rotations, relative_rotations
 from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.mesh.arrays import used_vertices
 from apd_viewer.geometry.mesh.decimation import with_held_vertices
 from apd_viewer.geometry.solver.iterative_solver import LevelSolver
 from apd_viewer.geometry.solver.prolongation import Prolongation
@@ -62,11 +63,11 @@ class CoarseLevel:
     ) -> None:
         rest, fixed = surface.rest, surface.fixed
         thinning = rest.decimation
-        self.vertices = with_held_vertices(rest.V, rest.component, thinning, fixed)
+        self.vertices = with_held_vertices(rest.V, rest.component, thinning, surface.is_held)
         self.F = thinning.F
         unchanged = np.array_equal(self.vertices, thinning.vertices)
         self._shape = rest.coarse_mesh if unchanged else SolveMesh(rest.V[self.vertices], self.F)
-        held = np.flatnonzero(np.isin(self.vertices, fixed))
+        held = np.flatnonzero(surface.is_held[self.vertices])
         soft, own = surface.soft, np.full(len(rest.V), -1)
         own[self.vertices] = np.arange(len(self.vertices))
         has = own[soft.ids] >= 0
@@ -162,6 +163,10 @@ class CoarseLevel:
         U[fixed] = targets[: len(fixed)]
         return self._collar.smoothed_positions(U)
 
+    def prepare_previews(self) -> None:
+        """Compute what the first :meth:`prolonged_positions` waits for."""
+        _ = self._prolongation, self._collar
+
     def response(self, b: np.ndarray) -> np.ndarray:
         """Response of the free fine vertices to forces ``b``, both (f, 3).
 
@@ -178,7 +183,9 @@ class CoarseLevel:
         """Interpolation from the coarse vertices to the fine ones, for previews only."""
         rows, best = np.arange(len(self._near)), self._weight.argmax(axis=1)
         nearest = np.where(self._weight[rows, best] > 0.0, self._near[rows, best], -1)
-        return Prolongation(self._fine.rest.V, self.vertices, self.F, nearest, self._fine.fixed)
+        return Prolongation(
+            self._fine.rest.V, self.vertices, self.F, nearest, self._fine.is_held[self.vertices]
+        )
 
     @cached_property
     def _collar(self) -> Collar:
@@ -203,6 +210,8 @@ class CoarseLevel:
 
 # Rings of triangles around the solved vertices, the reach of the bending energy.
 _RINGS = 2
+# Largest number of cells along a side of the table of vertices near held ones.
+_MOST_CELLS = 128
 # Largest number of solved vertices: beyond it the factorization takes too long.
 _MOST = 100_000
 
@@ -223,11 +232,9 @@ class Collar:
 
     def __init__(self, surface: ElasticSurface, width: float) -> None:
         V, F = surface.rest.V, surface.rest.F
-        held = np.zeros(len(V), dtype=bool)
-        held[surface.fixed] = True
-        border = np.unique(F[held[F].any(axis=1) & ~held[F].all(axis=1)])
-        away = KDTree(V[border[held[border]]]).query(V, distance_upper_bound=width, workers=-1)[0]
-        solved = np.isfinite(away) & ~held
+        held, corners = surface.is_held, surface.is_held[F].sum(axis=1)
+        border = used_vertices(F[(corners > 0) & (corners < 3)])
+        solved = _within(V, V[border[held[border]]], width) & ~held
         self._part = self._vertices = None
         if 0 < solved.sum() <= _MOST:
             self._part, self._vertices = _subsurface(surface, solved)
@@ -244,6 +251,28 @@ class Collar:
         return smoothed
 
 
+def _within(V: np.ndarray, points: np.ndarray, width: float) -> np.ndarray:
+    """Mask (n,) of the positions nearer than ``width`` to one of the ``points``."""
+    near = np.zeros(len(V), dtype=bool)
+    if len(points):
+        # In a large mesh, nearly all vertices are far from the points, and a table of cells tells so at once.
+        low = points.min(axis=0) - width
+        side = max(width, float((points.max(axis=0) + width - low).max()) / _MOST_CELLS)
+        count = np.floor((points.max(axis=0) + width - low) / side).astype(int) + 1
+        own = np.floor((points - low) / side).astype(int)
+        table = np.zeros(count, dtype=bool)
+        for step in np.ndindex(3, 3, 3):
+            i, j, k = np.clip(own + step - 1, 0, count - 1).T
+            table[i, j, k] = True
+        cells = np.floor((V - low) / side)
+        inside = np.flatnonzero(((cells >= 0.0) & (cells < count)).all(axis=1))
+        i, j, k = cells[inside].astype(int).T
+        inside = inside[table[i, j, k]]
+        away = KDTree(points).query(V[inside], distance_upper_bound=width, workers=-1)[0]
+        near[inside] = np.isfinite(away)
+    return near
+
+
 def _subsurface(surface: ElasticSurface, solved: np.ndarray) -> tuple[ElasticSurface, np.ndarray]:
     """Surface around the vertices ``solved`` (n,) bool, and its vertex indices."""
     rest, near = surface.rest, solved.copy()
@@ -251,8 +280,9 @@ def _subsurface(surface: ElasticSurface, solved: np.ndarray) -> tuple[ElasticSur
     for _ in range(_RINGS):
         near[F[near[F].any(axis=1)]] = True
     F = F[near[F].all(axis=1)]
-    vertices, corners = np.unique(F, return_inverse=True)
-    shape = SolveMesh(rest.V[vertices], corners.reshape(-1, 3))
+    vertices = used_vertices(F)
+    corners = np.searchsorted(vertices, F)
+    shape = SolveMesh(rest.V[vertices], corners)
     # Bending and coupling energies scale with the total area of the mesh.
     growth, material = rest.vertex_areas.sum() / shape.vertex_areas.sum(), surface.material
     material = replace(material, bending=growth * material.bending, coupling=growth * material.coupling)

@@ -40,9 +40,8 @@ def gains_from_coarse_level(surface: ElasticSurface) -> bool:
     # Thousands of loose triangles cannot be decimated, and the held vertices may leave the coarse mesh no
     # freedom.
     vertices = surface.rest.decimation.vertices
-    return _is_well_decimated(surface.rest) and bool(
-        np.isin(vertices, surface.free).sum() > FEWEST_COARSE_VERTICES / 2
-    )
+    enough = surface.is_free[vertices].sum() > FEWEST_COARSE_VERTICES / 2
+    return _is_well_decimated(surface.rest) and bool(enough)
 
 
 def multilevel_descent(
@@ -107,6 +106,7 @@ class MultilevelDescent:
         self.fine, self.coarse = fine, coarse
         self._coarse_iterations = 1 if len(coarse.shapes()) > 1 else _COARSEST_ITERATIONS
         self._preview: CoarsePreview | None = None
+        self._shows_preview = False
         self.forecast = PreviewForecast(self.surface, coarse)
         self._reset()
 
@@ -116,7 +116,7 @@ class MultilevelDescent:
         progress = self.fine.progress._replace(seconds_left=self.forecast.seconds_left)
         if not self._is_descending:
             progress = progress._replace(converged=False, convergence_ratio=None)
-        if (preview := self._preview) is None:
+        if (preview := self._shown_preview) is None:
             return progress
         return progress._replace(
             U=preview.U,
@@ -138,7 +138,7 @@ class MultilevelDescent:
     @property
     def energy(self) -> float | None:
         """Energy of the displayed shape; None if unknown."""
-        return None if self._preview else self.fine.energy
+        return None if self._shown_preview else self.fine.energy
 
     @property
     def ready(self) -> bool:
@@ -160,7 +160,7 @@ class MultilevelDescent:
 
     def set_goals(self, goals: tuple[Goal, ...]) -> None:
         """Replace the goals."""
-        self._preview = None
+        self._discard_preview()
         self.coarse.set_goals(goals)
         self.fine.set_goals(goals)
         self._reset()
@@ -173,7 +173,7 @@ class MultilevelDescent:
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
-        self._preview = None
+        self._discard_preview()
         self.coarse.restart(U)
         self.fine.restart(U)
         self._reset()
@@ -189,7 +189,7 @@ class MultilevelDescent:
 
     def restore(self, shapes: list[np.ndarray]) -> None:
         """Continue from the result of an earlier :meth:`shapes`."""
-        self._preview = None
+        self._discard_preview()
         self.fine.restart(shapes[0])
         self.coarse.restore(shapes[1:])
         self._reset()
@@ -202,15 +202,16 @@ class MultilevelDescent:
     def prepare_previews(self) -> None:
         """Compute what the first preview waits for, and later ones reuse."""
         if self._previews:
-            self.coarse.prolonged_positions(self.surface.U[self.surface.fixed])
+            self.coarse.prepare_previews()
+            self._prepared_preview()
 
     def step(self) -> None:
         """Prolong the coarse level's rotations; descend once it has converged."""
         if self._previews and not (self.coarse.converged and self.fine.ready):
             self._advance_coarse()
             self.coarse.smooth(_SMOOTHING_OF_FABRIC if self.surface.membrane else _SMOOTHING)
-            self._preview = self._preview or CoarsePreview(self.surface, self.coarse, self.fine.goals)
-            self._preview.follow_coarse_surface(self.fine.held_positions)
+            self._prepared_preview().follow_coarse_surface(self.fine.held_positions)
+            self._shows_preview = True
             self.forecast.expect_factor()
         elif self._previews:
             self._end_previews()
@@ -226,6 +227,17 @@ class MultilevelDescent:
         """Iterate without the coarse level."""
         self.fine.smooth(iterations)
 
+    @property
+    def _shown_preview(self) -> CoarsePreview | None:
+        return self._preview if self._shows_preview else None
+
+    def _prepared_preview(self) -> CoarsePreview:
+        self._preview = self._preview or CoarsePreview(self.surface, self.coarse, self.fine.goals)
+        return self._preview
+
+    def _discard_preview(self) -> None:
+        self._preview, self._shows_preview = None, False
+
     def _advance_coarse(self) -> None:
         self.coarse.iterate(self._coarse_iterations * self._ahead)
         self._ahead = min(2 * self._ahead, _MOST_AHEAD)
@@ -234,8 +246,9 @@ class MultilevelDescent:
         """End the previews, and iterate from the last preview."""
         self.forecast.begin_descent()
         self.surface.rotate_projections(self.coarse.take_rotations())
-        if self._preview is not None:
-            self.surface.U, self._preview = self._preview.U, None
+        if (preview := self._shown_preview) is not None:
+            self.surface.U = preview.U
+        self._discard_preview()
         self._previews = False
         self.fine.iterate()
         self.forecast.count_iteration()

@@ -15,7 +15,7 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.mesh.arrays import checked, used_vertices
 from apd_viewer.geometry.mesh.normals import vertex_normals
-from apd_viewer.geometry.mesh.operators import edge_weights, laplacian, vertex_areas
+from apd_viewer.geometry.mesh.operators import vertex_areas
 from apd_viewer.geometry.solver.pressed_mesh import Pressed
 
 MOST_RUNS = 1000
@@ -74,7 +74,7 @@ def dented_positions(rest: RestMesh, depth: float, length: float, seed: int) -> 
     X, corners = rest.solve_mesh.V, rest.solve_mesh.F
     areas = vertex_areas(X, corners)
     mass = np.where(areas > 0.0, areas, rest.area / len(X))
-    stiffness = length**2 * laplacian(edge_weights(X, corners))
+    stiffness = length**2 * rest.solve_mesh.L
     smoothing = LinearSolver((sp.diags_array(mass) + stiffness).tocsr(), X)
     height = np.random.default_rng(seed).standard_normal((len(X), 1)) / np.sqrt(mass)[:, None]
     for _ in range(_SMOOTHINGS):

@@ -41,12 +41,12 @@ class Prolongation:
         Triangles between them.
     nearest : (n,) int array
         A coarse vertex near every fine one, on its own side of a wall; -1 if there is none.
-    fixed : (h,) int array
-        Held vertices of the fine surface.
+    is_held : (c,) bool array
+        The coarse vertices that are held.
     """
 
     def __init__(
-        self, V: np.ndarray, vertices: np.ndarray, F: np.ndarray, nearest: np.ndarray, fixed: np.ndarray
+        self, V: np.ndarray, vertices: np.ndarray, F: np.ndarray, nearest: np.ndarray, is_held: np.ndarray
     ) -> None:
         X, c = V[vertices], len(vertices)
         i, j = F[:, [0, 1, 2, 1, 2, 0]].T.ravel(), F[:, [1, 2, 0, 0, 1, 2]].T.ravel()
@@ -55,7 +55,7 @@ class Prolongation:
         self._degree = np.bincount(near, minlength=c)
         length = np.bincount(near, np.linalg.norm(X[near] - X[at], axis=1), c) / np.maximum(self._degree, 1)
         radius = _REACH * np.where(length > 0.0, length, 1.0)
-        self._held = np.isin(vertices, fixed)
+        self._held = is_held
         self._rings = _rings_of(graph.indptr, graph.indices, _RINGS)
         (start, ring), squared = self._rings, radius * radius
         rows = np.concatenate([[0], np.cumsum(_counts(V, X, nearest, start, ring, squared))])

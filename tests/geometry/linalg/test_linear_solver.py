@@ -15,7 +15,6 @@ from apd_viewer.geometry.linalg import linear_solver
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.linalg.supernodal import SupernodalFactor
 from apd_viewer.geometry.linalg.supernodes import Supernodes
-from apd_viewer.geometry.mesh.operators import edge_weights, laplacian
 
 # Nine of the sixteen digits are left by a condition number of ten millions.
 STEPS, RESULTS = 1e-4, 1e-9
@@ -30,7 +29,7 @@ def of_any_size(monkeypatch):
 
 def pinned(V, F, held=1):
     """Laplacian of a mesh without its first vertices, which leaves it definite; and positions."""
-    A = laplacian(edge_weights(V, F)).tocsr()[held:, held:]
+    A = SolveMesh(V, F).L[held:, held:]
     return sp.csr_array(A), V[held:]
 
 
@@ -41,7 +40,7 @@ def two_apart(V, F):
 def disconnected():
     """Two pieces, one of them held by springs alone."""
     V, F = two_apart(*sphere(2))
-    A = laplacian(edge_weights(V, F)) + sp.diags_array(np.where(np.arange(len(V)) % 40 == 0, 1.0, 0.0))
+    A = SolveMesh(V, F).L + sp.diags_array(np.where(np.arange(len(V)) % 40 == 0, 1.0, 0.0))
     return sp.csr_array(A), V
 
 

@@ -1,7 +1,8 @@
 """Conjugate gradients with a coarse level, against scipy's direct solution."""
 
 import numpy as np
-from scipy.sparse import csr_array, eye_array
+import pytest
+from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.linalg import spsolve
 
 from apd_viewer.geometry.goals.calm_parts import solve_two_grid
@@ -20,13 +21,21 @@ def pairs(n: int, c: int) -> csr_array:
     return csr_array((np.ones(n * n), (np.arange(n * n), at)), shape=(n * n, c * c + 1))
 
 
-def test_two_grid_comes_near_in_a_few_steps_and_nearer_in_more():
+@pytest.mark.parametrize("held", [[], [0, 1, 2, 30, 200, 401]], ids=["all free", "some held"])
+@pytest.mark.parametrize("springs", [0.0, 3.0], ids=["", "springs"])
+def test_two_grid_comes_near_in_a_few_steps_and_nearer_in_more(held, springs):
     n = 24
-    A, B = laplacian(n), np.random.default_rng(0).normal(size=(n * n, 2))
-    exact = np.column_stack([spsolve(A.tocsc(), b) for b in B.T])
+    L, B = laplacian(n), np.random.default_rng(0).normal(size=(n * n, 2))
+    free, stiff = np.ones(n * n, dtype=bool), np.zeros(n * n)
+    free[held], stiff[100:120] = False, springs
+    A = (L + diags_array(stiff)).tocsr()[free][:, free]
+    exact = np.zeros_like(B)
+    exact[free] = np.column_stack([spsolve(A.tocsc(), b) for b in B[free].T])
     P = pairs(n, n // 3)
-    places = np.zeros((P.shape[1], 3))
-    errors = [np.abs(solve_two_grid(A, B, P, places, steps) - exact).max() for steps in (5, 10, 40)]
+    R, places = (P.T @ (L @ P)).tocsr(), np.zeros((P.shape[1], 3))
+    errors = [
+        np.abs(solve_two_grid(L, stiff, free, B, P, R, places, steps) - exact).max() for steps in (5, 10, 50)
+    ]
     assert errors[1] < 0.2 * errors[0]
     assert errors[1] < 1e-2 * np.abs(exact).max()
     assert errors[2] < 1e-8 * np.abs(exact).max()

@@ -17,6 +17,7 @@ from apd_viewer.geometry.mesh.operators import (
     vertex_neighbours,
     volume,
 )
+from apd_viewer.geometry.mesh.weighted_areas import Patch
 
 MESHES = {
     "grid": grid(4, 3, 1.0, 0.3),
@@ -111,6 +112,10 @@ def test_cotangents_of_a_triangle_without_area_are_zero():
     assert (cotangents(V, np.array([[0, 1, 2], [0, 0, 1], [1, 1, 1]])) == 0.0).all()
 
 
+def weights(V, F):
+    return edge_weights(V, Patch(F, len(V)))
+
+
 def weights_by_hand(V, F):
     W = np.zeros((len(V), len(V)))
     for f in F:
@@ -123,10 +128,28 @@ def weights_by_hand(V, F):
     return W
 
 
-@every_mesh
+def wheel(spokes=100):
+    """A vertex with more edges than are sorted by insertion."""
+    angle = np.linspace(0.0, 2.0 * np.pi, spokes, endpoint=False)
+    rim = np.column_stack([np.cos(angle), np.sin(angle), np.cos(7 * angle)])
+    i = np.arange(spokes)
+    return np.vstack([rim, np.zeros(3)]), np.column_stack([i, (i + 1) % spokes, np.full(spokes, spokes)])
+
+
+def soup(n=40, count=200):
+    """Triangles between random vertices, so that edges have several."""
+    rng = np.random.default_rng(1)
+    return rng.normal(size=(n, 3)), np.array([rng.permutation(n)[:3] for _ in range(count)])
+
+
+@pytest.mark.parametrize("mesh", [*MESHES.values(), wheel(), soup()], ids=[*MESHES, "wheel", "soup"])
 def test_edge_weights_are_those_of_the_formula(mesh):
     V, F = mesh
-    assert np.abs(edge_weights(V, F).toarray() - weights_by_hand(V, F)).max() <= 1e-13
+    W = weights(V, F)
+    assert np.abs(W.toarray() - weights_by_hand(V, F)).max() <= 1e-13 * max(1.0, W.data.max())
+    assert W.has_canonical_format, "columns ascend, each once"
+    edges = np.sort(np.vstack([F[:, [0, 1]], F[:, [1, 2]], F[:, [2, 0]]]), axis=1)
+    assert W.nnz == 2 * len(np.unique(edges, axis=0)), "edges of weight zero are stored"
 
 
 def test_edge_weights_clamp_each_cotangent_by_itself():
@@ -136,13 +159,13 @@ def test_edge_weights_clamp_each_cotangent_by_itself():
     cot = cotangents(V, F)
     assert cot[0, 2] == pytest.approx(-3 / 4)
     assert cot[1, 2] == pytest.approx(1.0)
-    assert edge_weights(V, F)[0, 1] == pytest.approx(0.5)
+    assert weights(V, F)[0, 1] == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("name", ["sphere", "tube"])
 def test_laplacian_is_that_of_libigl_where_all_angles_are_acute(name):
     V, F = MESHES[name]
-    assert np.abs((laplacian(edge_weights(V, F)) + igl.cotmatrix(V, F)).toarray()).max() <= 1e-12
+    assert np.abs((laplacian(weights(V, F)) + igl.cotmatrix(V, F)).toarray()).max() <= 1e-12
 
 
 def one_vertex_without_weight():
@@ -154,7 +177,7 @@ def one_vertex_without_weight():
 
 @pytest.mark.parametrize("mesh", [*MESHES.values(), one_vertex_without_weight()], ids=[*MESHES, "flat fan"])
 def test_laplacian_is_symmetric_semi_definite_and_kills_constants(mesh):
-    W = edge_weights(*mesh)
+    W = weights(*mesh)
     L = laplacian(W).toarray()
     assert np.array_equal(W.toarray(), W.toarray().T)
     assert W.diagonal().max() == 0.0
@@ -169,17 +192,17 @@ def test_laplacian_is_symmetric_semi_definite_and_kills_constants(mesh):
 
 def test_edge_weights_have_a_tiny_floor_and_only_where_it_is_needed():
     V, F = one_vertex_without_weight()
-    W, without = edge_weights(V, F).toarray(), edge_weights(V[:-1], F[:-1]).toarray()
+    W, without = weights(V, F).toarray(), weights(V[:-1], F[:-1]).toarray()
     assert np.abs(W[:-1, :-1] - without).max() <= 1e-13
     assert 0 < W[-1].max() <= 1e-5 * without.max()
 
 
 def test_edge_weights_do_not_depend_on_size_or_place():
     V, F = MESHES["obtuse tube"]
-    expected = edge_weights(V, F).toarray()
+    expected = weights(V, F).toarray()
     for s in (1e-6, 1e6):
-        assert np.abs(edge_weights(s * V, F).toarray() - expected).max() <= 1e-12
-    assert np.abs(edge_weights(V + 1e6, F).toarray() - expected).max() <= 1e-8
+        assert np.abs(weights(s * V, F).toarray() - expected).max() <= 1e-12
+    assert np.abs(weights(V + 1e6, F).toarray() - expected).max() <= 1e-8
 
 
 @every_mesh

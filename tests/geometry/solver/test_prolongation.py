@@ -23,7 +23,9 @@ def thinning():
 
 @pytest.fixture(scope="module")
 def prolongation(thinning):
-    return Prolongation(V, thinning.vertices, thinning.F, thinning.coarse_neighbours[:, 0], FIXED)
+    return Prolongation(
+        V, thinning.vertices, thinning.F, thinning.coarse_neighbours[:, 0], np.isin(thinning.vertices, FIXED)
+    )
 
 
 def angles(U, F):
