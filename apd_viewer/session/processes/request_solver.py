@@ -14,6 +14,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals.calm_parts import LARGE
 from apd_viewer.geometry.linalg.linear_solver import Factor, Matrix
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -119,8 +120,8 @@ class RequestSolver:
         if request.iterate:
             self._iterate(request, solver, started)
         else:
-            self._begin_factorizations()
             self._prepare_first_shape(solver)
+            self._begin_factorizations()
 
     def discard_other_mesh(self, mesh: Mesh) -> None:
         """Discard the preparations for another mesh, if there are any."""
@@ -258,6 +259,8 @@ class RequestSolver:
                 rest.measure(rest.solve_mesh.V)
         if not self._requests.is_ready:
             _ = rest.solve_mesh.L
+        if not self._requests.is_ready and len(rest.solve_mesh.V) > LARGE:
+            _ = rest.solve_mesh.coarse_laplacian
 
     def _prepare_first_shape(self, solver: Deformation) -> None:
         """Compute what the first shape of a drag would wait for."""
