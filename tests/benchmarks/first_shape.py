@@ -1,10 +1,11 @@
 """How long the first shape of a drag takes on a large mesh, and how much memory all processes share.
 
-    python tests/benchmarks/first_shape.py FILE|EDGE [seconds] [shapes]
+    python tests/benchmarks/first_shape.py FILE|EDGE [seconds] [shapes] [stroke]
 
 A session without a window reads and opens the FILE, or the sample bottle with edges of that length, such as
 0.141 for 655,000 vertices. The ends of its longest side are painted, and after some seconds, 10 by default,
 one of them is turned by a degree at each event of the mouse, until so many shapes have come, by default 5.
+Each end takes ``stroke`` seconds to paint, by default none.
 """
 
 import os
@@ -61,7 +62,7 @@ def has_moved(frame: Frame, before: np.ndarray) -> bool:
     return frame.iteration > 0 and frame.U is not before
 
 
-def main(source: str, pause: float = 10.0, shapes: int = 5) -> None:
+def main(source: str, pause: float = 10.0, shapes: int = 5, stroke: float = 0.0) -> None:
     QCoreApplication([])
     clock = Clock()
     mesh = open_mesh(source) if Path(source).exists() else Mesh(*sample_bottle(float(source))[:2])
@@ -79,18 +80,22 @@ def main(source: str, pause: float = 10.0, shapes: int = 5) -> None:
             QCoreApplication.processEvents()
             time.sleep(0.0005)
 
+    def wait(seconds: float) -> None:
+        ends = time.perf_counter() + seconds
+        until(lambda: time.perf_counter() >= ends)
+
     session.files.open_mesh(mesh)
     until(lambda: session.jobs.current is None and session.store.state is not None)
     clock.tell("opened")
     axis = int(np.argmax(np.ptp(mesh.V, axis=0)))
     along = (mesh.V[:, axis] - mesh.V[:, axis].min()) / np.ptp(mesh.V[:, axis])
     for ids, label in ((along < END, BASE), (along > 1.0 - END, HANDLE)):
+        wait(stroke)
         session.gestures.begin()
         session.painting.paint(np.flatnonzero(ids), label)
         session.painting.end_stroke("Paint")
     clock.tell("painted")
-    ends = time.perf_counter() + pause
-    until(lambda: time.perf_counter() >= ends)
+    wait(pause)
     clock.tell("waited")
     session.gestures.begin()
     turned = 0
@@ -111,4 +116,4 @@ def main(source: str, pause: float = 10.0, shapes: int = 5) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], *(kind(given) for kind, given in zip((float, int), sys.argv[2:], strict=False)))
+    main(sys.argv[1], *(kind(given) for kind, given in zip((float, int, float), sys.argv[2:], strict=False)))

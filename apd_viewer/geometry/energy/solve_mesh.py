@@ -57,6 +57,7 @@ class SolveMesh:
         self.V = np.ascontiguousarray(V)
         self.F = F
         self._thinnings = decimations
+        self._alike: SolveMesh | None = None
         self.component = vertex_components(F, len(V))
 
     @cached_property
@@ -102,6 +103,8 @@ class SolveMesh:
     @cached_property
     def decimation(self) -> Decimation:
         """Decimated mesh, with the map from each vertex to it."""
+        if self._alike is not None:
+            return self._alike.decimation
         if self._thinnings:
             return self._thinnings[0]
         count = int(np.clip(len(self.V) / _RATIO, FEWEST_COARSE_VERTICES, MOST_COARSE_VERTICES))
@@ -118,7 +121,16 @@ class SolveMesh:
     @cached_property
     def coarse_mesh(self) -> SolveMesh:
         """Coarse mesh of :attr:`decimation`."""
-        return SolveMesh(self.V[self.decimation.vertices], self.decimation.F, self._thinnings[1:])
+        V = self.V[self.decimation.vertices]
+        if self._alike is not None:
+            return self._alike.coarse_mesh.with_positions(V)
+        return SolveMesh(V, self.decimation.F, self._thinnings[1:])
+
+    def with_positions(self, V: np.ndarray) -> SolveMesh:
+        """The mesh with its vertices at nearby positions (n, 3), decimated as this one is."""
+        mesh = SolveMesh(V, self.F)
+        mesh._alike = self
+        return mesh
 
     @property
     def interpolation(self) -> sp.csr_array:

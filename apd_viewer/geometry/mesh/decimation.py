@@ -221,13 +221,15 @@ def with_held_vertices(
     is_held : (n,) bool array
     """
     vertices, fixed = decimation.vertices.copy(), np.flatnonzero(is_held)
-    while True:
-        heard = vertices[is_held[vertices]]
-        away = KDTree(V[heard]).query(V[fixed], workers=-1)[0] if len(heard) else np.full(len(fixed), np.inf)
+    heard = vertices[is_held[vertices]]
+    away = KDTree(V[heard]).query(V[fixed], workers=-1)[0] if len(heard) else np.full(len(fixed), np.inf)
+    while len(fixed):
         same = np.isin(component[fixed], component[vertices[~is_held[vertices]]])
         farthest = int(np.argmax(np.where(same, away, 0.0)))
         if not same.any() or away[farthest] <= _UNHEARD * decimation.edge_length:
-            return vertices
+            break
         lonely = fixed[farthest]
         others = np.flatnonzero(~is_held[vertices] & (component[vertices] == component[lonely]))
         vertices[others[np.argmin(np.linalg.norm(V[vertices[others]] - V[lonely], axis=1))]] = lonely
+        away = np.minimum(away, np.linalg.norm(V[fixed] - V[lonely], axis=1))
+    return vertices

@@ -65,8 +65,8 @@ class CoarseLevel:
         thinning = rest.decimation
         self.vertices = with_held_vertices(rest.V, rest.component, thinning, surface.is_held)
         self.F = thinning.F
-        unchanged = np.array_equal(self.vertices, thinning.vertices)
-        self._shape = rest.coarse_mesh if unchanged else SolveMesh(rest.V[self.vertices], self.F)
+        unchanged, coarse = np.array_equal(self.vertices, thinning.vertices), rest.coarse_mesh
+        self._shape = coarse if unchanged else coarse.with_positions(rest.V[self.vertices])
         held = np.flatnonzero(surface.is_held[self.vertices])
         soft, own = surface.soft, np.full(len(rest.V), -1)
         own[self.vertices] = np.arange(len(self.vertices))

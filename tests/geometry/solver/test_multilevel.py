@@ -212,8 +212,11 @@ def test_compute_decimations_leaves_nothing_to_be_looked_for_again(mesh, monkeyp
     rest = RestMesh(V, F)
     compute_decimations(rest)
     monkeypatch.delattr("apd_viewer.geometry.energy.solve_mesh.decimated_mesh")
+    ends, lonely = ends_of(V)[0], np.argmin(np.abs(V[:, 2] - V[:, 2].mean()))
     for method in ("arap", "exact", "local"):
-        assert isinstance(Deformation(V, F, ends_of(V)[0], method=method, rest=rest).solver, Restarts)
+        assert isinstance(Deformation(V, F, ends, method=method, rest=rest).solver, Restarts)
+        moved = Deformation(V, F, np.append(ends, lonely), method=method, rest=rest)
+        assert isinstance(moved.solver, Restarts), "a coarse vertex is replaced by one far from all others"
 
 
 def test_multilevel_follows_a_mesh_of_loose_triangles_too():
