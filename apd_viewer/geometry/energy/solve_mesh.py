@@ -134,7 +134,7 @@ class SolveMesh:
 
     @property
     def interpolation(self) -> sp.csr_array:
-        """Interpolation from the coarse mesh's vertices by the weights of :attr:`decimation`, (n, c)."""
+        """Interpolation (n, c) from the coarse vertices, by :attr:`decimation`."""
         near, weight = self.decimation.coarse_neighbours, self.decimation.weight
         ends = np.arange(0, near.size + 1, near.shape[1], dtype=near.dtype)
         shape = len(self.V), len(self.decimation.vertices)
@@ -142,7 +142,10 @@ class SolveMesh:
 
     @cached_property
     def coarse_laplacian(self) -> sp.csr_array:
-        """The Laplacian restricted to the coarse mesh, ``P^T L P`` with the interpolation P, (c, c)."""
+        """Laplacian restricted to the coarse mesh, (c, c).
+
+        ``P^T L P`` with P the :attr:`interpolation`.
+        """
         P = self.interpolation
         return (P.T @ (self.L @ P)).tocsr()
 

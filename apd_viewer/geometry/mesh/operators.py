@@ -195,7 +195,7 @@ _PORTION, _FEW = 1024, 64
 def _sorted_edges(
     start: np.ndarray, corner: np.ndarray, F: np.ndarray, cot: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Neighbours by vertex, ascending and each once, with weights, and how many there are.
+    """Neighbours of each vertex, ascending and each once, with weights and counts.
 
     Those of vertex i begin at ``2 start[i]``, where there is room for both edges of each of its corners.
     """
@@ -237,7 +237,7 @@ def _sorted_edges(
 def _joined_edges(
     room: np.ndarray, column: np.ndarray, weight: np.ndarray, count: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Starts (n + 1,), columns and entries of the rows of :func:`_sorted_edges`, without gaps."""
+    """Compressed rows of :func:`_sorted_edges`: starts, columns and entries."""
     n = len(count)
     start = np.zeros(n + 1, dtype=np.int32)
     for i in range(n):

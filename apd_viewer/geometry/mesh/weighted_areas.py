@@ -127,7 +127,7 @@ def triangle_weights(F: np.ndarray, weight: np.ndarray | None, is_smooth: bool) 
 
 @njit(cache=True, nogil=True)
 def _corners(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Starts (n + 1,) of the corners at each vertex, those corners, and what follows each."""
+    """Corners at each vertex, from ``start`` (n + 1,), and what follows each."""
     start = np.zeros(n + 1, dtype=np.uint32)
     for t in range(len(F)):
         for c in range(3):
