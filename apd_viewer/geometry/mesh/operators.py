@@ -58,14 +58,9 @@ def area(U: np.ndarray, F: np.ndarray) -> float:
     return float(face_areas(U, F).sum())
 
 
-@njit(cache=True, nogil=True)
 def vertex_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     """One third of the area of the triangles around every vertex, (n,) float array."""
-    areas, sizes = np.zeros(len(V)), face_areas(V, F)
-    for t in range(len(F)):
-        for c in range(3):
-            areas[F[t, c]] += sizes[t] / 3.0
-    return areas
+    return np.bincount(F.ravel(), weights=np.repeat(face_areas(V, F) / 3.0, 3), minlength=len(V))
 
 
 @njit(cache=True, nogil=True)
