@@ -73,21 +73,27 @@ $(extras)/.installed: pyproject.toml | system-packages
 	    $(extras)/bin/python -m pip install --quiet --editable '.[video,cluster,usd,cad,notebook]' --group extras
 	@touch $@
 
-# Each version of Blender's module is for one version of Python; the add-on's environment has the newest that there is.
-blender = build/night/blender
+# Each version of Blender's module is for one version of Python: those that are here have an environment each.
+blenders = $(strip $(foreach version,3.13 3.11,$(if \
+    $(shell python$(version) -c '' 2>/dev/null && echo yes),build/night/blender-$(version))))
 addon_tests = -c resources/blender/tests/pytest.ini --confcutdir=resources/blender/tests resources/blender/tests
 
-night-blender: $(blender)/.installed .venv/.compiled
-	@.ci/step "pytest, the add-on in Blender" $(environment) $(blender)/bin/python -m pytest $(addon_tests) $(results)blender.xml
+night-blender: $(blenders:=/.installed) .venv/.compiled
+	@test -n '$(blenders)' || { echo "Blender's module needs Python 3.13 or 3.11; install one."; exit 1; }
+	@failed=; for blender in $(blenders); do \
+	    .ci/step "pytest, the add-on in $$blender" $(environment) $$blender/bin/python -m pytest $(addon_tests) \
+	        $(results)$$(basename $$blender).xml || failed=yes; \
+	done; test -z "$$failed"
 
-blender: $(blender)/.installed ## build/apd_live-*.zip, the add-on for Blender
-	@.ci/step "Building the add-on" $(blender)/bin/python resources/blender/build.py build --archive
+blender: $(firstword $(blenders:=/.installed)) ## build/apd_live-*.zip, the add-on for Blender
+	@test -n '$(blenders)' || { echo "Blender's module needs Python 3.13 or 3.11; install one."; exit 1; }
+	@.ci/step "Building the add-on" $(firstword $(blenders))/bin/python resources/blender/build.py build --archive
 
-$(blender)/.installed: resources/blender/tests/requirements.txt | system-packages
-	@.ci/step "Creating $(blender) with $(python)" $(python) -m venv --clear $(blender)
-	@.ci/step "Updating pip" $(blender)/bin/python -m pip install --quiet 'pip>=25.1'
-	@.ci/step "Installing Blender's module and pytest into $(blender)" \
-	    $(blender)/bin/python -m pip install --quiet --requirement resources/blender/tests/requirements.txt
+build/night/blender-%/.installed: resources/blender/tests/requirements.txt | system-packages
+	@.ci/step "Creating $(@D) with python$*" python$* -m venv --clear $(@D)
+	@.ci/step "Updating pip" $(@D)/bin/python -m pip install --quiet 'pip>=25.1'
+	@.ci/step "Installing Blender's module and pytest into $(@D)" \
+	    $(@D)/bin/python -m pip install --quiet --requirement resources/blender/tests/requirements.txt
 	@touch $@
 
 # atheris, which guides by coverage, has wheels for Linux and CPython 3.11 to 3.13.
