@@ -11,7 +11,6 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import FEWEST_COARSE_VERTICES, SolveMesh
 from apd_viewer.geometry.goals.goal_projection import GoalProjection
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE, ConstrainedDescent
@@ -66,12 +65,11 @@ def compute_decimations(rest: RestMesh) -> tuple[Decimation, ...]:
     reuse them.
     """
     shape, found = rest.solve_mesh, []
-    with cores_for(len(shape.V)):
-        while len(shape.V) >= _ALONE:
-            found.append(shape.decimation)
-            if not _is_well_decimated(shape):
-                break
-            shape = shape.coarse_mesh
+    while len(shape.V) >= _ALONE:
+        found.append(shape.decimation)
+        if not _is_well_decimated(shape):
+            break
+        shape = shape.coarse_mesh
     return tuple(found)
 
 

@@ -8,6 +8,7 @@ import contextlib
 import logging
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.calm_parts import LARGE
 from apd_viewer.geometry.linalg.linear_solver import Factor, Matrix
 from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -109,7 +111,7 @@ class RequestSolver:
                 without = document.settings.traits.obstacle_problem if document.obstacles else ""
                 raise InputError(without or document.paint_problem)
             with contextlib.suppress(InputError):
-                self._prepare_mesh(self._rest_of(request))
+                _prepare_mesh(self._rest_of(request))
             return
         if request.is_timed and not self._warm:
             warm_up()  # otherwise the first method's time would include compilation
@@ -251,17 +253,6 @@ class RequestSolver:
         for factor in self._factors:
             factor.begin()
 
-    def _prepare_mesh(self, rest: RestMesh) -> None:
-        """Compute what every deformation of a mesh would wait for."""
-        compute_decimations(rest)
-        if not self._requests.is_ready:
-            with cores_for(len(rest.solve_mesh.V)):
-                rest.measure(rest.solve_mesh.V)
-        if not self._requests.is_ready:
-            _ = rest.solve_mesh.L
-        if not self._requests.is_ready and len(rest.solve_mesh.V) > LARGE:
-            _ = rest.solve_mesh.coarse_laplacian
-
     def _prepare_first_shape(self, solver: Deformation) -> None:
         """Compute what the first shape of a drag would wait for."""
         if not self._requests.is_ready:  # else it is asked for already
@@ -274,9 +265,29 @@ class RequestSolver:
         if self._rest is None or self._rest[0] is not mesh:
             rest = RestMesh(mesh.V, mesh.F, mesh.weld, request.decimations)
             self._rest = mesh, rest
-            if _is_large(rest) and not request.decimations:
-                self._tell(Reply(request, decimations=compute_decimations(rest)))
+            if _is_large(rest):
+                decimations = _prepare_mesh(rest)
+                if not request.decimations:
+                    self._tell(Reply(request, decimations=decimations))
         return self._rest[1]
+
+
+def _prepare_mesh(rest: RestMesh) -> tuple[Decimation, ...]:
+    """Compute what every deformation of a mesh would wait for, on two threads."""
+    shape = rest.solve_mesh
+
+    def prepare_readings() -> None:
+        with cores_for(len(shape.V)):
+            rest.measure(shape.V)
+        _ = shape.L
+
+    with ThreadPoolExecutor(1, "readings") as pool:
+        readings = pool.submit(prepare_readings)
+        decimations = compute_decimations(rest)
+        readings.result()
+    if len(shape.V) > LARGE:
+        _ = shape.coarse_laplacian
+    return decimations
 
 
 def _must_start_at_rest(solver: Deformation, request: Request) -> bool:
