@@ -6,10 +6,8 @@ integer array of triangles, counter-clockwise seen from outside.
 
 import numpy as np
 import scipy.sparse as sp
-from numba import prange
 
 from apd_viewer.geometry.linalg.kernels import njit
-from apd_viewer.geometry.linalg.threads import parallel
 from apd_viewer.geometry.mesh.edges_and_components import boundary_vertices, join
 from apd_viewer.geometry.mesh.weighted_areas import Patch
 
@@ -173,7 +171,7 @@ def edge_weights(V: np.ndarray, patch: Patch) -> sp.csr_array:
         Zero diagonal; every edge of the mesh is stored, also those of weight zero.
     """
     n, cot = len(V), np.clip(cotangents(V, patch.F), 0.0, _STEEPEST)
-    start, column, weight = _joined_edges(*_sorted_edges(patch.start, patch.corner, patch.F, cot))
+    start, column, weight = _sorted_edges(patch.start, patch.corner, patch.F, cot)
     cut = _cut_edges(patch.F, cot, start, column)
     if cut.any():
         # Median, because a single sliver would dominate the mean.
@@ -182,66 +180,45 @@ def edge_weights(V: np.ndarray, patch: Patch) -> sp.csr_array:
     return sp.csr_array((weight, column, start), shape=(n, n))
 
 
-# Vertices per parallel task, and number of edges up to which insertion sorts them fastest.
-_PORTION, _FEW = 1024, 64
+# Number of edges up to which rows are sorted by insertion alone.
+_FEW = 64
 
 
-@parallel()
+@njit(cache=True, nogil=True)
 def _sorted_edges(
     start: np.ndarray, corner: np.ndarray, F: np.ndarray, cot: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Neighbours of each vertex, ascending and each once, with weights and counts.
-
-    Those of vertex i begin at ``2 start[i]``, where there is room for both edges of each of its corners.
-    """
-    n = len(start) - 1
-    column, weight = np.empty(2 * F.size, dtype=np.int32), np.empty(2 * F.size)
-    count = np.empty(n, dtype=np.int32)
-    for portion in prange((n + _PORTION - 1) // _PORTION):
-        for i in range(portion * _PORTION, min(n, (portion + 1) * _PORTION)):
-            first = last = 2 * start[i]
-            for e in range(start[i], start[i + 1]):
-                t, c = corner[e] // 3, corner[e] % 3
-                for d in range(1, 3):
-                    j = F[t, (c + d) % 3]
-                    if j != i:
-                        column[last], weight[last] = j, 0.5 * cot[t, (c + 3 - d) % 3]
-                        last += 1
-            if last - first > _FEW:
-                order = np.argsort(column[first:last], kind="mergesort")
-                column[first:last], weight[first:last] = column[first:last][order], weight[first:last][order]
-            else:
-                for e in range(first + 1, last):
-                    j, w, at = column[e], weight[e], e
-                    while at > first and column[at - 1] > j:
-                        column[at], weight[at] = column[at - 1], weight[at - 1]
-                        at -= 1
-                    column[at], weight[at] = j, w
-            kept = first
-            for e in range(first, last):
-                if kept > first and column[e] == column[kept - 1]:
-                    weight[kept - 1] += weight[e]
-                else:
-                    column[kept], weight[kept] = column[e], weight[e]
-                    kept += 1
-            count[i] = kept - first
-    return start, column, weight, count
-
-
-@parallel()
-def _joined_edges(
-    room: np.ndarray, column: np.ndarray, weight: np.ndarray, count: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Compressed rows of :func:`_sorted_edges`: starts, columns and entries."""
-    n = len(count)
-    start = np.zeros(n + 1, dtype=np.int32)
+    """Compressed rows of the edges' weights: starts, ascending columns and entries."""
+    n, count = len(start) - 1, 0
+    rows, column, weight = np.zeros(n + 1, np.int32), np.empty(2 * F.size, np.int32), np.empty(2 * F.size)
     for i in range(n):
-        start[i + 1] = start[i] + count[i]
-    near, w = np.empty(start[n], dtype=np.int32), np.empty(start[n])
-    for i in prange(n):
-        for e in range(count[i]):
-            near[start[i] + e], w[start[i] + e] = column[2 * room[i] + e], weight[2 * room[i] + e]
-    return start, near, w
+        first = count
+        for e in range(start[i], start[i + 1]):
+            t, c = corner[e] // 3, corner[e] % 3
+            for d in range(1, 3):
+                j = F[t, (c + d) % 3]
+                if j != i:
+                    column[count], weight[count] = j, 0.5 * cot[t, (c + 3 - d) % 3]
+                    count += 1
+        # Insertion, for many edges with gaps that shrink [Shell 1959, A high-speed sorting procedure].
+        gap = count - first if count - first > _FEW else 2
+        while gap > 1:
+            gap = max(4 * gap // 9, 1)
+            for e in range(first + gap, count):
+                j, w, at = column[e], weight[e], e
+                while at - gap >= first and column[at - gap] > j:
+                    column[at], weight[at] = column[at - gap], weight[at - gap]
+                    at -= gap
+                column[at], weight[at] = j, w
+        end, count = count, first
+        for e in range(first, end):
+            if count > first and column[e] == column[count - 1]:
+                weight[count - 1] += weight[e]
+            else:
+                column[count], weight[count] = column[e], weight[e]
+                count += 1
+        rows[i + 1] = count
+    return rows, column[:count].copy(), weight[:count].copy()
 
 
 @njit(cache=True, nogil=True)

@@ -106,11 +106,11 @@ def row_nonzeros(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return starts, np.nonzero(mask)[1].astype(np.uint32)
 
 
-@parallel()
+@njit(cache=True, nogil=True)
 def _with_corners(start: np.ndarray, corner: np.ndarray, counts: np.ndarray) -> np.ndarray:
     """Mask (n, g) of the vertices of the triangles in the mask ``counts`` (m, g)."""
     support = np.zeros((len(start) - 1, counts.shape[1]), dtype=np.bool_)
-    for i in prange(len(support)):
+    for i in range(len(support)):
         for e in range(start[i], start[i + 1]):
             for k in range(counts.shape[1]):
                 support[i, k] |= counts[corner[e] // 3, k]
@@ -162,14 +162,14 @@ def total_area(U: np.ndarray, F: np.ndarray) -> float:
     return 0.5 * sum_of_portions(doubles)
 
 
-@parallel()
+@njit(cache=True, nogil=True)
 def edge_lengths(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Lengths (m, 3) of the edges of the triangles ``F`` (m, 3).
 
     They are those from the first corner to the second and third, and from the second to the third.
     """
     lengths = np.empty((len(F), 3))
-    for t in prange(len(F)):
+    for t in range(len(F)):
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
         ax, ay, az = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
         bx, by, bz = V[k, 0] - V[i, 0], V[k, 1] - V[i, 1], V[k, 2] - V[i, 2]
