@@ -28,6 +28,7 @@ from apd_viewer.geometry.mesh.decimation import (
 )
 from apd_viewer.geometry.mesh.edges_and_components import vertex_components
 from apd_viewer.geometry.mesh.operators import edge_weights, face_areas, laplacian, vertex_areas
+from apd_viewer.geometry.mesh.prolongation import Prolongation
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, Patch
 
 # Vertex ratio of consecutive levels; largest coarse mesh solved without noticeable delay, and smallest one
@@ -125,6 +126,12 @@ class SolveMesh:
         if self._alike is not None:
             return self._alike.coarse_mesh.with_positions(V)
         return SolveMesh(V, self.decimation.F, self._thinnings[1:])
+
+    @cached_property
+    def prolongation(self) -> Prolongation:
+        """Smooth interpolation from the coarse mesh, for previews."""
+        coarse = self.decimation
+        return Prolongation(self.V, coarse.vertices, coarse.F, coarse.nearest)
 
     def with_positions(self, V: np.ndarray) -> SolveMesh:
         """The mesh with its vertices at nearby positions (n, 3), decimated as this one is."""

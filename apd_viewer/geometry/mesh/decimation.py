@@ -48,6 +48,13 @@ class Decimation(NamedTuple):
     weight: np.ndarray
     edge_length: float
 
+    @property
+    def nearest(self) -> np.ndarray:
+        """The nearest coarse vertex of each fine one, (n,); -1 if there is none."""
+        best = self.weight.argmax(axis=1)[:, None]
+        has_one = np.take_along_axis(self.weight, best, axis=1) > 0.0
+        return np.where(has_one, np.take_along_axis(self.coarse_neighbours, best, axis=1), -1)[:, 0]
+
 
 def decimated_mesh(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Decimated mesh with about ``count`` of the vertices (n, 3).

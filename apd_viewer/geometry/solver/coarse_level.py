@@ -24,8 +24,8 @@ from apd_viewer.geometry.linalg.rotations import blended_rotations, relative_rot
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import used_vertices
 from apd_viewer.geometry.mesh.decimation import with_held_vertices
+from apd_viewer.geometry.mesh.prolongation import Prolongation
 from apd_viewer.geometry.solver.iterative_solver import LevelSolver
-from apd_viewer.geometry.solver.prolongation import Prolongation
 
 # Number of timed iterations: their median is robust against delays by other processes.
 _PACES = 5
@@ -157,9 +157,9 @@ class CoarseLevel:
 
         Its held vertices are at ``targets`` (k + s, 3).
         """
-        U, fixed = self._fine.U, self._fine.fixed
-        moved = self._elastic.U - self._reference[1]
-        U = self._prolongation.moved_positions(U, U[self.vertices], self._relative_rotations(), moved)
+        U, fixed, is_held = self._fine.U, self._fine.fixed, self._fine.is_held[self.vertices]
+        X, moved = U[self.vertices], self._elastic.U - self._reference[1]
+        U = self._prolongation.moved_positions(U, X, self._relative_rotations(), moved, is_held)
         U[fixed] = targets[: len(fixed)]
         return self._collar.smoothed_positions(U)
 
@@ -181,11 +181,10 @@ class CoarseLevel:
     @cached_property
     def _prolongation(self) -> Prolongation:
         """Interpolation from the coarse vertices to the fine ones, for previews only."""
-        rows, best = np.arange(len(self._near)), self._weight.argmax(axis=1)
-        nearest = np.where(self._weight[rows, best] > 0.0, self._near[rows, best], -1)
-        return Prolongation(
-            self._fine.rest.V, self.vertices, self.F, nearest, self._fine.is_held[self.vertices]
-        )
+        rest = self._fine.rest
+        if np.array_equal(self.vertices, rest.decimation.vertices):
+            return rest.prolongation
+        return Prolongation(rest.V, self.vertices, self.F, rest.decimation.nearest)
 
     @cached_property
     def _collar(self) -> Collar:

@@ -287,6 +287,8 @@ def _prepare_mesh(rest: RestMesh) -> tuple[Decimation, ...]:
         readings.result()
     if len(shape.V) > LARGE:
         _ = shape.coarse_laplacian
+    if decimations and _is_large(rest):
+        _ = shape.prolongation
     return decimations
 
 

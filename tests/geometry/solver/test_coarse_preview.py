@@ -7,6 +7,7 @@ import pytest
 from meshes import box, rotation, tube
 from remote_factor_double import Elsewhere
 
+from apd_viewer.geometry.energy import solve_mesh
 from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.solver import coarse_level, multilevel
@@ -261,7 +262,8 @@ def test_preview_forecast_is_not_foretold_where_nothing_is_waited_for():
 def prolongations(monkeypatch):
     """Interpolations to fine surfaces that are computed."""
     found, plain = [], coarse_level.Prolongation
-    monkeypatch.setattr(coarse_level, "Prolongation", lambda *given: found.append(given) or plain(*given))
+    for module in (coarse_level, solve_mesh):
+        monkeypatch.setattr(module, "Prolongation", lambda *given: found.append(given) or plain(*given))
     return found
 
 

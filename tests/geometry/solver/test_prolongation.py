@@ -7,8 +7,8 @@ from remote_factor_double import Elsewhere
 
 from apd_viewer.geometry.energy import solve_mesh
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.mesh.prolongation import Prolongation
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.prolongation import Prolongation
 
 SPHERE, F = sphere(5)
 V = SPHERE * [1.0, 1.0, 2.0]
@@ -23,9 +23,7 @@ def thinning():
 
 @pytest.fixture(scope="module")
 def prolongation(thinning):
-    return Prolongation(
-        V, thinning.vertices, thinning.F, thinning.coarse_neighbours[:, 0], np.isin(thinning.vertices, FIXED)
-    )
+    return Prolongation(V, thinning.vertices, thinning.F, thinning.nearest)
 
 
 def angles(U, F):
@@ -40,7 +38,8 @@ def angles(U, F):
 def test_prolongation_carries_rigid_motions_exactly(prolongation, thinning):
     R, shift, X = rotation([1, 2, 3], 0.8), np.array([0.3, -0.2, 1.0]), V[thinning.vertices]
     q = np.tile([np.cos(0.4), *np.sin(0.4) * np.array([1, 2, 3]) / np.sqrt(14)], (len(X), 1))
-    U = prolongation.moved_positions(V, X, q, X @ R.T + shift - X)
+    is_held = np.isin(thinning.vertices, FIXED)
+    U = prolongation.moved_positions(V, X, q, X @ R.T + shift - X, is_held)
     assert np.abs(U - V @ R.T - shift).max() <= 1e-6
 
 

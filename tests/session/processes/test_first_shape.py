@@ -6,6 +6,7 @@ from driven_session import pose
 from meshes import box
 from remote_factor_double import Elsewhere
 
+from apd_viewer.geometry.energy import solve_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver import coarse_level
@@ -34,7 +35,8 @@ class Far(Elsewhere):
 def prolongations(monkeypatch):
     """Interpolations to fine surfaces that are computed."""
     found, plain = [], coarse_level.Prolongation
-    monkeypatch.setattr(coarse_level, "Prolongation", lambda *given: found.append(given) or plain(*given))
+    for module in (coarse_level, solve_mesh):
+        monkeypatch.setattr(module, "Prolongation", lambda *given: found.append(given) or plain(*given))
     monkeypatch.setattr(request_solver, "REMOTE_FACTOR_ROWS", 2500)
     monkeypatch.setattr(request_solver, "RemoteFactor", Far)
     return found
@@ -65,8 +67,9 @@ def test_request_solver_prepares_the_first_shape_once_all_is_painted(prolongatio
     assert np.abs(shapes[0] - MESH.V).max() > 0.1
 
 
-def test_request_solver_prepares_nothing_for_who_waits_already(prolongations):
-    requests = Mailbox()
+def test_request_solver_prepares_nothing_for_who_waits_already(prolongations, monkeypatch):
+    requests, prepared = Mailbox(), []
+    monkeypatch.setattr(request_solver, "prepare_previews", prepared.append)
     requests.put(Request(painted().with_pose(0, pose(0.3)), 0, MESH.V, iterate=True))
     RequestSolver(requests, lambda _: None).answer(Request(painted(), 0, MESH.V, iterate=False))
-    assert not prolongations
+    assert not prepared

@@ -41,13 +41,9 @@ class Prolongation:
         Triangles between them.
     nearest : (n,) int array
         A coarse vertex near every fine one, on its own side of a wall; -1 if there is none.
-    is_held : (c,) bool array
-        The coarse vertices that are held.
     """
 
-    def __init__(
-        self, V: np.ndarray, vertices: np.ndarray, F: np.ndarray, nearest: np.ndarray, is_held: np.ndarray
-    ) -> None:
+    def __init__(self, V: np.ndarray, vertices: np.ndarray, F: np.ndarray, nearest: np.ndarray) -> None:
         X, c = V[vertices], len(vertices)
         i, j = F[:, [0, 1, 2, 1, 2, 0]].T.ravel(), F[:, [1, 2, 0, 0, 1, 2]].T.ravel()
         graph = coo_array((np.ones(len(i)), (i, j)), shape=(c, c)).tocsr()
@@ -55,13 +51,14 @@ class Prolongation:
         self._degree = np.bincount(near, minlength=c)
         length = np.bincount(near, np.linalg.norm(X[near] - X[at], axis=1), c) / np.maximum(self._degree, 1)
         radius = _REACH * np.where(length > 0.0, length, 1.0)
-        self._held = is_held
         self._rings = _rings_of(graph.indptr, graph.indices, _RINGS)
         (start, ring), squared = self._rings, radius * radius
         rows = np.concatenate([[0], np.cumsum(_counts(V, X, nearest, start, ring, squared))])
         self._weights = rows, *_weights(V, X, nearest, start, ring, squared, rows)
 
-    def moved_positions(self, U: np.ndarray, X: np.ndarray, q: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    def moved_positions(
+        self, U: np.ndarray, X: np.ndarray, q: np.ndarray, moved: np.ndarray, is_held: np.ndarray
+    ) -> np.ndarray:
         """Positions ``U`` (n, 3) after a motion of the coarse surface.
 
         Parameters
@@ -70,9 +67,11 @@ class Prolongation:
             The coarse vertices before, and their displacements.
         q : (c, 4) float array
             Unit quaternions: how they have turned.
+        is_held : (c,) bool array
+            The coarse vertices that are held.
         """
         (rows, node, weight), (start, ring) = self._weights, self._rings
-        B = _expansions(X, q, moved, start, ring, self._degree, self._held)
+        B = _expansions(X, q, moved, start, ring, self._degree, is_held)
         return _carried(U, rows, node, weight, B)
 
     def prolonged_values(self, values: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -81,7 +80,7 @@ class Prolongation:
 
     def restricted_values(self, b: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """Restriction ``P^T b`` (c, 3) of ``b`` (f, 3) at the fine vertices ``rows``."""
-        return _gathered(b, rows, *self._weights, len(self._held))
+        return _gathered(b, rows, *self._weights, len(self._degree))
 
 
 @njit(cache=True, nogil=True)
