@@ -8,6 +8,8 @@ from meshes import box, rotation, tube
 from remote_factor_double import Elsewhere
 
 from apd_viewer.geometry.energy import solve_mesh
+from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.solver import coarse_level, multilevel
@@ -285,3 +287,15 @@ def test_coarse_preview_prepared_ahead_is_the_same_and_waits_for_less(factor, pr
 def test_coarse_preview_is_not_prepared_where_there_is_none(prolongations):
     prepare_previews(Deformation(V, F, FIXED).solver)
     assert not prolongations
+
+
+@pytest.mark.parametrize("width", [0.05, 0.3, 10.0])
+def test_collar_smooths_the_free_vertices_within_its_width_of_held_ones(width):
+    surface = ElasticSurface(SolveMesh(V, F), FIXED)
+    U = V + np.random.default_rng(0).normal(scale=0.01, size=V.shape)
+    U[FIXED] = V[FIXED]
+    moved = (coarse_level.Collar(surface, width).smoothed_positions(U) != U).any(axis=1)
+    is_border = np.isin(np.arange(len(V)), F[np.isin(F, FIXED).any(axis=1)])
+    border = V[np.intersect1d(np.flatnonzero(is_border), FIXED)]
+    nearest = np.linalg.norm(V[:, None] - border, axis=2).min(axis=1)
+    assert np.array_equal(moved, surface.is_free & (nearest < width))
