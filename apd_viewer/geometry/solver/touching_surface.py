@@ -162,11 +162,11 @@ class TouchingSurface(ABC):
         """True if the gaps at positions (n, 3) are wide enough to continue from there."""
         return True
 
-    def without_rotation(self, U: np.ndarray, _: np.ndarray) -> np.ndarray:
-        """``U`` (n, 3) without rotation from the initial shape, if it must not turn.
+    def without_drift(self, U: np.ndarray, _: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3) without a rigid motion that nothing but contact has caused.
 
-        Vertices pushed or stopped by contact have turned the surface a little. The others turn it back, each
-        by as much as its weight, the second argument (n,).
+        Vertices pushed or stopped by contact have moved the surface a little as a whole. The others move it
+        back, each by as much as its weight, the second argument (n,).
         """
         return U
 
@@ -203,11 +203,10 @@ class TouchingElasticSurface(TouchingSurface):
         turns = NetRotationFilter(parallel_ops.gathered_rows(self.U, self.free), self._masses, self._first)
         return turns.without_rotation(self._metric.solve(turns.without_torque(b_f)))
 
-    def without_rotation(self, U: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    def without_drift(self, U: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """``U`` (n, 3) without rotation from the initial shape, if nothing is held.
 
-        Vertices pushed or stopped by contact have turned the surface a little. The others turn it back, each
-        by as much as its ``weight`` (n,).
+        See :meth:`TouchingSurface.without_drift`.
         """
         if len(self.elastic_surface.fixed):
             return U
@@ -238,7 +237,7 @@ class TouchingElasticSurface(TouchingSurface):
         W = self.all_positions(start + self.solve(pull), held_after)
         carried = self.contact.positions_pushed_by_obstacles(self.U, W)
         return parallel_ops.gathered_rows(
-            self.without_rotation(carried, (carried == W).all(axis=1)), self.free
+            self.without_drift(carried, (carried == W).all(axis=1)), self.free
         )
 
     def renew_metric(self, _: tuple[Goal, ...], _multipliers: np.ndarray) -> bool:
@@ -293,7 +292,7 @@ class CollisionFreeProjection(GoalProjection):
                 fractions[:] = min(_MOST_AT_ONCE, float(fractions.min()))
             nearer = start + fractions[:, None] * (W - start)
             nearer[self._held] = W[self._held]
-            W, mu = super().project(self._surface.without_rotation(nearer, fractions))
+            W, mu = super().project(self._surface.without_drift(nearer, fractions))
         return W, mu
 
 

@@ -68,8 +68,20 @@ class TouchingWall(TouchingSurface):
         """Response to forces ``b_f``, both (f, 3), without a constraint on rotation."""
         if self._factored is None:
             self._factored = self._factor()
-        X, held = self._factored.solve(b_f), len(self.elastic_surface.fixed)
-        if held or len(self.elastic_surface.soft.ids):
+        return self._without_sliding(self._factored.solve(b_f))
+
+    def without_drift(self, U: np.ndarray, _: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3) without the way that it has slid along all plates since the step began.
+
+        Vertices that contact has stopped have held it back there, but nothing does.
+        """
+        start = self.contact.start
+        step = self._without_sliding((U - start)[self.free])
+        return self.positions_along(start, 1.0, step, U[self.elastic_surface.fixed])
+
+    def _without_sliding(self, X: np.ndarray) -> np.ndarray:
+        """``X`` (f, 3) without its mean along all plates, unless something holds the wall."""
+        if len(self.elastic_surface.fixed) or len(self.elastic_surface.soft.ids):
             return X
         return _without_sliding(X, [each.obstacle.plate_normal for each in self.contact.obstacles])
 
