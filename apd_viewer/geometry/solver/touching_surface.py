@@ -55,7 +55,8 @@ class TouchingSurface(ABC):
     """
 
     longest_step, growth, least_part, follows_at_once = np.inf, 1.6, 1e-4, False
-    most_imbalance = 2e-3
+    # Loads on two plates then agree within a thousandth.
+    most_imbalance = 4e-4
 
     def __init__(
         self, elastic_surface: HeldSurface, contact: Contact, gas: EnclosedVolume | None = None
