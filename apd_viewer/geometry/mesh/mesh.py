@@ -228,7 +228,7 @@ class Mesh:
     def opposite_half_edges(self) -> np.ndarray:
         """Opposite half-edge of each half-edge of :attr:`joined_F`, (m, 3) int32.
 
-        See :func:`.opposite_half_edges`.
+        ``3 t + k`` is the one from corner k of triangle t to the next; negative where there is none.
         """
         from apd_viewer.geometry.mesh import edges_and_components  # imported here: numba takes long to load
 
