@@ -126,7 +126,7 @@ def ridge_edges(mesh):
 
 @each_model
 def test_read_cad_opens_models_soon(name):
-    """In three seconds for 25,000 triangles, where the libraries are loaded in one and a half."""
+    """For 25,000 triangles within three times what loading the libraries takes, on one machine 1.5 s."""
     load = "import cascadio, mmgpy, apd_viewer.files.formats.cad"
     ratios = []
     for _ in range(3):  # the machine may be busy with something else
@@ -135,7 +135,7 @@ def test_read_cad_opens_models_soon(name):
         loaded = time.perf_counter()
         mesh = open_mesh(MODELS / f"{name}.step")
         ratios.append((time.perf_counter() - loaded) / (loaded - began))
-    assert min(ratios) <= 2.0 * max(1.0, len(mesh.F) / 25_000)
+    assert min(ratios) <= 3.0 * max(1.0, len(mesh.F) / 25_000)
 
 
 def bent(mesh):
