@@ -7,7 +7,8 @@ from . import baking
 from .live_deformation import LiveDeformation
 from .solver_process import SolverError, SolverProcess, solver_command
 
-TICKS_A_SECOND = 60
+# Above the rate of displays: a shape waits for a tick, and then the solver for the next place of the handle.
+TICKS_A_SECOND = 240
 
 
 class Session:
