@@ -3,12 +3,15 @@
     python tests/benchmarks/contact_at_size.py record SIZE FILE
     python tests/benchmarks/contact_at_size.py replay [--before CHECKOUT] FILE ...
     python tests/benchmarks/contact_at_size.py solve SIZE ...
+    python tests/benchmarks/contact_at_size.py twist EDGE ...
 
 ``record`` twists the sample bottle (13k), the same with every triangle cut in four (52k), or an ellipsoid
 (164k, 655k) in steps of 2°, without contact, and keeps every shape. ``replay`` moves contact alone
 through them, with the package of this checkout and of another in turns, and prints the milliseconds of the
 processor a shape: what a solver adds is left out, so that noise of the machine shows less. ``solve`` has two
 solvers do the drag, with contact and without, iterations in turns, and prints the ratio of their times.
+``twist`` turns one end of the sample bottle, with edges so many times as long, by 240° in one motion, and
+prints when it is there and how long it takes to come within 2 % of the energy that it ends with.
 """
 
 import argparse
@@ -22,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-from meshes import rotation, sphere
+from meshes import rotation, sample_bottle, sphere
 
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.contact.contact import Contact
@@ -36,6 +39,7 @@ from apd_viewer.geometry.solver.deformation import Deformation
 STEP, EACH, LAST = 2.0, 4, 20.0  # degrees of a step of the drag, iterations between, and degrees at the end
 SETTLING, TURNS = 20, 3  # iterations after the drag; runs of each checkout
 THICKNESS = 1e-3  # of the diagonal
+END, TWIST = 0.15, 240.0  # held part of the height at each end; degrees that one is turned by
 PARTS = [
     (NearPairs, "_find_near_patches"),
     (Patches, "approach_bounds"),
@@ -158,11 +162,38 @@ def solve(size):
         )
 
 
+def twist(edge):
+    """Print when a bottle twisted by 240° arrives, and comes near the energy that it ends with."""
+    V, F, _ = sample_bottle(edge)
+    axis = int(np.argmax(np.ptp(V, axis=0)))
+    height = (V[:, axis] - V[:, axis].min()) / np.ptp(V[:, axis])
+    fixed = np.flatnonzero((height < END) | (height > 1.0 - END))
+    handle = height[fixed] > 0.5
+    X, centre = V[fixed].copy(), V[fixed[handle]].mean(axis=0)
+    X[handle] = (X[handle] - centre) @ rotation(np.eye(3)[axis], np.radians(TWIST)).T + centre
+    solver = Deformation(V, F, fixed, handle=fixed[handle], contact=True)
+    begun, arrived, seen = time.perf_counter(), None, []
+    solver.aim(X)
+    while not solver.settled:
+        solver.iterate()
+        now = time.perf_counter() - begun
+        if arrived is None and not solver.solver.is_on_its_way:
+            arrived = now
+        seen.append((now, solver.solver.energy))
+    times, energies = np.array([(t, e) for t, e in seen if e is not None and t >= arrived]).T
+    near = times[np.append(np.flatnonzero(energies > 1.02 * energies[-1]) + 1, 0).max()]
+    print(
+        f"{len(V):,} vertices: arrived after {arrived:.1f} s, within 2 % after {near:.1f} s, "
+        f"settled after {times[-1]:.1f} s, {len(seen)} iterations, energy {energies[-1]:.4f}",
+        flush=True,
+    )
+
+
 def main():
     """Record, or replay and print the table."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--before", type=Path)
-    parser.add_argument("what", choices=["record", "replay", "one", "solve"])
+    parser.add_argument("what", choices=["record", "replay", "one", "solve", "twist"])
     parser.add_argument("names", nargs="+")
     asked = parser.parse_args()
     if asked.what == "record":
@@ -171,6 +202,10 @@ def main():
     if asked.what == "solve":
         for size in asked.names:
             solve(size)
+        return
+    if asked.what == "twist":
+        for edge in asked.names:
+            twist(float(edge))
         return
     if asked.what == "one":
         print(json.dumps(replay(asked.names[0])))
