@@ -28,11 +28,11 @@ from apd_viewer.geometry.solver.quasi_newton_descent import REMEMBERED_STEPS
 _RENEWED = 40
 # Attempts at a collision-free step: first with a fraction for each vertex, then with one for all.
 _LOCAL, _ATTEMPTS = 3, 4
+_MOST_AT_ONCE = 0.5
 # Steps remembered by a surface with held vertices: touching parts couple what is far apart on it, which the
 # constant matrix knows by its springs alone. Without held vertices the rounding errors of so many would turn
 # it: one of eleven stacks of two cushions toppled.
 _REMEMBERED_IF_HELD = 20
-_MOST_AT_ONCE = 0.5
 
 
 class TouchingSurface(ABC):

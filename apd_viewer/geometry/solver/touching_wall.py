@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from apd_viewer.geometry.contact.contact import Contact, DirectedSprings
+from apd_viewer.geometry.contact.obstacle_pairs import ObstaclePairs
 from apd_viewer.geometry.energy.enclosed_gas import EnclosedVolume
 from apd_viewer.geometry.energy.wall_surface import WallSurface
 from apd_viewer.geometry.goals.goals import Goal
@@ -61,6 +62,7 @@ class TouchingWall(TouchingSurface):
         self._age = _RENEWED
         self._size = float(np.linalg.norm(np.ptp(elastic_surface.rest.V, axis=0)))
         self._tensions, self._pressure = np.zeros(len(elastic_surface.rest.F)), 0.0
+        self._is_held = bool(len(elastic_surface.fixed) or len(elastic_surface.soft.ids))
         self._factored: Metric | None = None
         self._is_definite: bool | None = None
 
@@ -68,22 +70,19 @@ class TouchingWall(TouchingSurface):
         """Response to forces ``b_f``, both (f, 3), without a constraint on rotation."""
         if self._factored is None:
             self._factored = self._factor()
-        return self._without_sliding(self._factored.solve(b_f))
+        X = self._factored.solve(b_f)
+        return X if self._is_held else _without_sliding(X, self.contact.obstacles)
 
     def without_drift(self, U: np.ndarray, _: np.ndarray) -> np.ndarray:
-        """``U`` (n, 3) without the way that it has slid along all plates since the step began.
+        """``U`` (n, 3) without the mean of the last step along all plates.
 
         Vertices that contact has stopped have held it back there, but nothing does.
         """
+        if self._is_held:
+            return U
         start = self.contact.start
-        step = self._without_sliding((U - start)[self.free])
-        return self.positions_along(start, 1.0, step, U[self.elastic_surface.fixed])
-
-    def _without_sliding(self, X: np.ndarray) -> np.ndarray:
-        """``X`` (f, 3) without its mean along all plates, unless something holds the wall."""
-        if len(self.elastic_surface.fixed) or len(self.elastic_surface.soft.ids):
-            return X
-        return _without_sliding(X, [each.obstacle.plate_normal for each in self.contact.obstacles])
+        step = _without_sliding((U - start)[self.free], self.contact.obstacles)
+        return self.positions_along(start, 1.0, step, U[:0])
 
     def make_thick(self) -> bool:
         """Restart with a wall thick enough to follow; False if it is the same."""
@@ -218,19 +217,14 @@ class TouchingWall(TouchingSurface):
         return pull[self.free]
 
 
-def _without_sliding(X: np.ndarray, plates: list[np.ndarray | None]) -> np.ndarray:
-    """``X`` (f, 3) without its mean along all ``plates``, which costs no energy.
+def _without_sliding(X: np.ndarray, obstacles: list[ObstaclePairs]) -> np.ndarray:
+    """``X`` (f, 3) without its mean along all plates, which costs no energy.
 
-    Nothing holds a wall along all of its plates, so that rounding errors alone would carry it away.
-
-    Parameters
-    ----------
-    X : (f, 3) float array
-    plates : list of (3,) float array or None
-        Normals of the obstacles; None for one that is no plate.
+    Nothing holds a wall along all of its plates, so that rounding errors alone would carry it away. With
+    obstacles of other kinds it stays as it is.
     """
-    normals = np.array([normal for normal in plates if normal is not None])
-    if not len(normals) or len(normals) < len(plates):
+    normals = np.array([n for each in obstacles if (n := each.obstacle.plate_normal) is not None])
+    if not len(normals) or len(normals) < len(obstacles):
         return X
     _, sizes, directions = np.linalg.svd(normals)
     along = directions[np.count_nonzero(sizes > _PARALLEL) :]
