@@ -89,7 +89,7 @@ class Workbench(QObject):
     def _make_overlays(self) -> None:
         view = self.canvas.viewport
         self.invitation = CanvasHint(view)
-        self.recovery = RecoveryBar(view)
+        self.recovery = RecoveryBar(view, self.invitation)
         self.notice = Notice(view, (self.invitation, self.recovery))
         self.proposal = Notice(view, (self.invitation, self.recovery, self.notice))
         say = self.notice.show_message

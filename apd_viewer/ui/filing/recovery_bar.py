@@ -2,19 +2,20 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QFrame, QLabel, QPushButton, QToolButton
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, Signal
+from PySide6.QtWidgets import QFrame, QLabel, QPushButton, QToolButton, QWidget
 
 from apd_viewer.language import tr, trc
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage.recovery_file import RecoveryFile, age_text
+from apd_viewer.ui.overlays.card_stack import GEOMETRY_EVENTS, rectangle_moved_above
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.box_layouts import arrange_row, row_layout
 from apd_viewer.ui.widgets.theme import ICON_SIZE, LIGHT, Theme, icon
 from apd_viewer.ui.widgets.wheel import block_mouse_events
 
 _MARGIN = 12
-_ABOVE = 68  # px from the bottom of the canvas, leaving space for the hint below
+_ABOVE = 68  # px from the bottom of the canvas: above a hint of one line, which comes and goes
 _LONGEST_NAME = 240  # px; longer names are elided
 _NARROWEST = 120  # px; smallest width of the text
 _BESIDE_WORDS = 80  # px; icon and margins beside the text, if the buttons are below
@@ -23,6 +24,12 @@ _BESIDE_WORDS = 80  # px; icon and margins beside the text, if the buttons are b
 class RecoveryBar(QFrame):
     """Bar offering recovered sessions, newest first, until one is restored.
 
+    Parameters
+    ----------
+    canvas : Viewport
+    hint : QWidget
+        At the bottom of the canvas, not to be covered.
+
     Attributes
     ----------
     restore_requested : Signal(Leftover)
@@ -30,10 +37,10 @@ class RecoveryBar(QFrame):
 
     restore_requested = Signal(object)
 
-    def __init__(self, canvas: Viewport) -> None:
+    def __init__(self, canvas: Viewport, hint: QWidget) -> None:
         super().__init__(canvas)
         block_mouse_events(self)
-        self._canvas = canvas
+        self._canvas, self._hint = canvas, hint
         self._waiting: list[RecoveryFile] = []
         self._at = 0  # index of the recovered session on offer
         self.setObjectName("notice")
@@ -63,6 +70,13 @@ class RecoveryBar(QFrame):
         self.set_theme(LIGHT)
         self.hide()
         canvas.resized.connect(self._place)
+        hint.installEventFilter(self)
+
+    def eventFilter(self, _: QObject, event: QEvent) -> bool:
+        """Reposition when the hint changes."""
+        if event.type() in GEOMETRY_EVENTS:
+            self._place()
+        return False
 
     def _button(self, text: str, tip: str, pressed: Callable[[], None]) -> QPushButton:
         return QPushButton(text, toolTip=tip, clicked=pressed)
@@ -134,4 +148,5 @@ class RecoveryBar(QFrame):
         text.setFixedWidth(min(words, text.fontMetrics().horizontalAdvance(text.text()) + 4))
         self._row.activate()
         self.adjustSize()
-        self.move((canvas.width() - self.width()) // 2, canvas.height() - self.height() - _ABOVE)
+        corner = QPoint((canvas.width() - self.width()) // 2, canvas.height() - self.height() - _ABOVE)
+        self.move(rectangle_moved_above(QRect(corner, self.size()), [self._hint]).topLeft())

@@ -43,6 +43,19 @@ def test_recovery_bar_restores_what_was_left_as_one_step_and_keeps_it_safe(qtbot
     assert list(folder.iterdir()) == []
 
 
+def test_recovery_bar_covers_no_hint_however_long_it_is(qtbot, started, left):
+    window = started()
+    bar, hint = window.recovery, window.invitation
+    tops = []
+    for words in (1, 8, 60):
+        hint.show_text(" ".join(["Bereichsauswahl"] * words))
+        assert hint.isVisible()
+        assert not bar.geometry().intersects(hint.geometry())
+        assert bar.geometry().top() > 0
+        tops.append(bar.geometry().top())
+    assert tops[0] > tops[-1]
+
+
 def test_recovery_bar_discards_for_good(qtbot, started, folder, left):
     window = started()
     click(qtbot, window.recovery.discard)
