@@ -29,12 +29,7 @@ class LbfgsMemory:
     count : int
         Number of variables, each a 3-vector.
     length : int
-        Largest number of steps that are remembered.
-
-    Attributes
-    ----------
-    limit : int
-        Number of steps that are remembered from the next one on, at most the length.
+        Number of steps that are remembered.
     """
 
     def __init__(self, count: int, length: int) -> None:
@@ -42,7 +37,6 @@ class LbfgsMemory:
         shape = length + 1, 3 * count
         self._steps, self._changes = np.empty(shape, np.float32), np.empty(shape, np.float32)
         self._length, self._next = length, 0
-        self.limit = length
         # Inner products of steps and gradient changes, by slot.
         self._products = np.zeros((length + 1, length + 1))
         self._order: list[int] = []
@@ -70,7 +64,8 @@ class LbfgsMemory:
         bend, step2, change2 = subtract_with_products(slope.ravel(), before.ravel(), step, change)
         if not bend > _BENDS * np.sqrt(step2 * change2):
             return
-        del self._order[: max(0, len(self._order) + 1 - self.limit)]
+        if len(self._order) == self._length:
+            self._order.pop(0)
         self._order.append(slot)
         order = np.array(self._order)
         with_change, with_step = np.split(products(self._steps, self._changes, order, slot), 2)

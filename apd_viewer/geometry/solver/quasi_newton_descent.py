@@ -14,8 +14,7 @@ import numpy as np
 from apd_viewer.geometry.goals.goal_projection import ElasticResponse, GoalProjection
 from apd_viewer.geometry.linalg.lbfgs import LbfgsMemory
 
-# Number of steps that are remembered, unless the surface is in contact.
-REMEMBERED_STEPS = 5
+_REMEMBERED = 5
 # Smallest accepted fraction of the decrease predicted by the slope [Armijo 1966].
 _SHARE_OF_PROMISE = 1e-4
 _HALVINGS = 12
@@ -90,8 +89,6 @@ class QuasiNewtonDescent:
         A line search begins at most so many times as far as the last one ended.
     longest : float
         Longest displacement of a vertex, mesh units.
-    remembered : int
-        Largest number of steps that the metric is corrected by.
     """
 
     def __init__(
@@ -100,19 +97,14 @@ class QuasiNewtonDescent:
         projection: GoalProjection,
         growth: float = np.inf,
         longest: float = np.inf,
-        remembered: int = REMEMBERED_STEPS,
     ) -> None:
         self._growth, self._longest, self._share = growth, longest, 1.0
         self._elastic, self._projection = surface, projection
-        self._memory = LbfgsMemory(len(surface.free), remembered)
+        self._memory = LbfgsMemory(len(surface.free), _REMEMBERED)
         # G and g at the start of the last step.
         self._last: tuple[np.ndarray, np.ndarray] | None = None
         self.multipliers = np.zeros(len(projection.goals))
         self.energy = surface.energy
-
-    def remember(self, count: int) -> None:
-        """Correct the metric by at most ``count`` steps from the next one on."""
-        self._memory.limit = count
 
     def resume(self) -> None:
         """Continue from changed positions, keeping the memory of earlier steps."""

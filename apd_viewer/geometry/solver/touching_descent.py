@@ -13,7 +13,7 @@ from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import ENERGY_TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import SolverProgress
-from apd_viewer.geometry.solver.quasi_newton_descent import REMEMBERED_STEPS, Equilibrium, QuasiNewtonDescent
+from apd_viewer.geometry.solver.quasi_newton_descent import Equilibrium, QuasiNewtonDescent
 from apd_viewer.geometry.solver.touching_surface import CollisionFreeProjection, TouchingSurface
 
 # Path increments in mesh sizes: the first, the longest, and the least initial one of a later path.
@@ -75,9 +75,7 @@ class TouchingDescent:
         self._projection.refresh_directions(U)
         self._size = float(np.linalg.norm(np.ptp(surface.rest.V, axis=0)))
         longest = surface.longest_step * self._size
-        self._quasi_newton = QuasiNewtonDescent(
-            surface, self._projection, surface.growth, longest, surface.remembered_steps
-        )
+        self._quasi_newton = QuasiNewtonDescent(surface, self._projection, surface.growth, longest)
         self.path_fraction, self._steps, self._last = 1.0, 0, _FIRST
         self._goal_step, self._failures = _GOAL_STEP, 0
         self._was_blocked, self._has_stepped, self._following = False, False, _FOLLOWING
@@ -207,10 +205,6 @@ class TouchingDescent:
             self._projection.refresh_directions(self.U)
             self._quasi_newton.resume()
         before = self.U
-        # On the way older steps mislead: with more of them contact stops handles that arrive with few.
-        self._quasi_newton.remember(
-            REMEMBERED_STEPS if self.is_on_its_way else self._surface.remembered_steps
-        )
         moved = self._quasi_newton.step(self.held_positions)
         self._at_minimum = not moved and not self._surface.request_new_metric()
         self._surface.contact.accept_shape(self.U)

@@ -22,17 +22,12 @@ from apd_viewer.geometry.goals.goal_projection import GOAL_TOLERANCE, GoalProjec
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.linear_solver import Factor, LinearSolver
-from apd_viewer.geometry.solver.quasi_newton_descent import REMEMBERED_STEPS
 
 # Steps after which the contact springs are renewed.
 _RENEWED = 40
 # Attempts at a collision-free step: first with a fraction for each vertex, then with one for all.
 _LOCAL, _ATTEMPTS = 3, 4
 _MOST_AT_ONCE = 0.5
-# Steps remembered by a surface with held vertices: touching parts couple what is far apart on it, which the
-# constant matrix knows by its springs alone. Without held vertices the rounding errors of so many would turn
-# it: one of eleven stacks of two cushions toppled.
-_REMEMBERED_IF_HELD = 20
 
 
 class TouchingSurface(ABC):
@@ -55,14 +50,11 @@ class TouchingSurface(ABC):
         Shortest part of the path of held vertices and obstacles, in mesh sizes.
     follows_at_once : bool
         Whether a new path continues at the pace of the last one, since a drag is faster than the steps.
-    remembered_steps : int
-        Number of steps that the metric of a descent is corrected by once the held vertices have arrived.
     most_imbalance : float
         Largest imbalance at rest of the loads on a mesh without held vertices.
     """
 
     longest_step, growth, least_part, follows_at_once = np.inf, 1.6, 1e-4, False
-    remembered_steps = REMEMBERED_STEPS
     # Loads on two plates then agree within a thousandth.
     most_imbalance = 4e-4
 
@@ -200,8 +192,6 @@ class TouchingElasticSurface(TouchingSurface):
         self._to_held: sp.csr_array | None = None
         self._age = _RENEWED
         self._first = parallel_ops.gathered_rows(elastic_surface.U, elastic_surface.free)
-        if len(elastic_surface.fixed):
-            self.remembered_steps = _REMEMBERED_IF_HELD
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Response to forces ``b_f``, both (f, 3), with the contact springs.

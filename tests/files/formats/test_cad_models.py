@@ -126,7 +126,7 @@ def ridge_edges(mesh):
 
 @each_model
 def test_read_cad_opens_models_soon(name):
-    """For 25,000 triangles within three times what loading the libraries takes, on one machine 1.5 s."""
+    """For 25,000 triangles within three times what loading the libraries takes."""
     load = "import cascadio, mmgpy, apd_viewer.files.formats.cad"
     ratios = []
     for _ in range(3):  # the machine may be busy with something else

@@ -177,17 +177,3 @@ def test_lbfgs_memory_leaves_out_a_step_over_which_the_slope_fell():
     way, along = memory.descent_direction(np.ones((2, 3)), lambda b: 2 * b)
     assert np.array_equal(way, np.full((2, 3), -2.0))
     assert along == -12.0
-
-
-def test_lbfgs_memory_counts_no_older_steps_than_its_limit():
-    rng = np.random.default_rng(3)
-    steps = [rng.normal(size=(2, 4, 3)) for _ in range(9)]
-    long, short, slope = LbfgsMemory(4, 6), LbfgsMemory(4, 2), rng.normal(size=(4, 3))
-    for number, (step, bend) in enumerate(steps):
-        long.limit = 6 if number < 7 else 2
-        for memory in (long, short):
-            remember(memory, step, step + 0.1 * bend)
-    assert len(long) == len(short) == 2
-    ways = [memory.descent_direction(slope, lambda b: 2 * b) for memory in (long, short)]
-    np.testing.assert_array_equal(*(way for way, _ in ways))
-    assert ways[0][1] == ways[1][1]
