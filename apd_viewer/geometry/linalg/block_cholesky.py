@@ -89,7 +89,8 @@ class BlockFactor:
         """Solution ``A^-1 B`` for ``B`` (n, 3); about six digits in single precision."""
         nodes, panel = self._pattern.nodes, self._pattern.panel
         x = gathered_rows(B, nodes.order).astype(self._panels.dtype).ravel()
-        solve(nodes.first, nodes.begin, nodes.later, panel, self._pattern.widest, self._panels, x)
+        tree, tasks = (nodes.first, nodes.begin, nodes.later, panel), (nodes.task, *nodes.tasks_by_core())
+        solve(tree, tasks, self._pattern.widest, self._panels, x)
         X = np.empty_like(B)
         X[nodes.order] = x.reshape(-1, 3)
         return X
@@ -215,21 +216,67 @@ def _add_contribution(front: np.ndarray, given: np.ndarray, at: np.ndarray, late
                 row[j + 2] += values[3 * e + 2]
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz"})
+# Sums may be reordered, but in the same order each time.
+_SUMS = {"contract", "reassoc", "nsz"}
+
+
+@parallel(fastmath=_SUMS)
 def solve(
-    first: np.ndarray,
-    begin: np.ndarray,
-    later: np.ndarray,
-    panel: np.ndarray,
+    tree: tuple[np.ndarray, ...],
+    tasks: tuple[np.ndarray, ...],
     widest: int,
     panels: np.ndarray,
     x: np.ndarray,
 ) -> None:
-    """Solve in place for ``x`` (3 n,), in the order of elimination."""
-    t = np.empty(widest, x.dtype)
-    for s in range(len(first) - 1):
+    """Solve in place for ``x`` (3 n,), in the order of elimination.
+
+    Parameters
+    ----------
+    tree
+        ``first, begin, later, panel`` of the supernodes.
+    tasks : task, turn, share
+        See :func:`~apd_viewer.geometry.linalg.block_cholesky.factorize`.
+    widest : int
+        Columns of the widest panel.
+    """
+    task, turn, share = tasks
+    top, groups, cores = 3 * tree[0][task[-1]], len(tree[0]) - 1, len(share) - 1
+    # What each task adds to the top of the tree.
+    sums, columns = np.zeros((len(task) - 1, len(x) - top), x.dtype), np.empty((cores, widest), x.dtype)
+    for core in prange(cores):
+        for e in range(share[core], share[core + 1]):
+            t = turn[e]
+            _forward(task[t], task[t + 1], tree, panels, x, sums[t], columns[core])
+    for t in range(len(sums)):
+        for i in range(sums.shape[1]):
+            x[top + i] += sums[t, i]
+    _forward(task[-1], groups, tree, panels, x, x[len(x) :], columns[0])
+    _backward(task[-1], groups, tree, panels, x, columns[0])
+    for core in prange(cores):
+        for e in range(share[core], share[core + 1]):
+            t = turn[e]
+            _backward(task[t], task[t + 1], tree, panels, x, columns[core])
+
+
+@njit(cache=True, nogil=True, fastmath=_SUMS)
+def _forward(
+    begin_at: int,
+    end_at: int,
+    tree: tuple[np.ndarray, ...],
+    panels: np.ndarray,
+    x: np.ndarray,
+    beyond: np.ndarray,
+    column: np.ndarray,
+) -> None:
+    """Forward substitution through the supernodes ``begin_at`` to ``end_at``.
+
+    Contributions to the last unknowns, as many as ``beyond`` has, are added to ``beyond`` instead.
+    """
+    first, begin, later, panel = tree
+    own_end = len(x) - len(beyond)
+    for s in range(begin_at, end_at):
         k, b = 3 * (first[s + 1] - first[s]), 3 * (begin[s + 1] - begin[s])
-        P, own, sums = panels[panel[s] : panel[s + 1]].reshape(k, k + b), x[3 * first[s] :], t[:b]
+        P, own, sums = panels[panel[s] : panel[s + 1]].reshape(k, k + b), x[3 * first[s] :], column[:b]
         for j in range(b):
             sums[j] = 0
         for i in range(0, k, 3):
@@ -238,11 +285,28 @@ def solve(
             for j in range(len(sums)):
                 sums[j] += u * r0[j] + v * r1[j] + w * r2[j]
         for e in range(begin[s], begin[s + 1]):
+            i, j = 3 * later[e], 3 * (e - begin[s])
             for a in range(3):
-                x[3 * later[e] + a] += sums[3 * (e - begin[s]) + a]
-    for s in range(len(first) - 2, -1, -1):
+                if i < own_end:
+                    x[i + a] += sums[j + a]
+                else:
+                    beyond[i - own_end + a] += sums[j + a]
+
+
+@njit(cache=True, nogil=True, fastmath=_SUMS)
+def _backward(
+    begin_at: int,
+    end_at: int,
+    tree: tuple[np.ndarray, ...],
+    panels: np.ndarray,
+    x: np.ndarray,
+    column: np.ndarray,
+) -> None:
+    """Backward substitution from supernode ``end_at`` to ``begin_at``."""
+    first, begin, later, panel = tree
+    for s in range(end_at - 1, begin_at - 1, -1):
         k, b = 3 * (first[s + 1] - first[s]), 3 * (begin[s + 1] - begin[s])
-        P, own, given = panels[panel[s] : panel[s + 1]].reshape(k, k + b), x[3 * first[s] :], t[: k + b]
+        P, own, given = panels[panel[s] : panel[s + 1]].reshape(k, k + b), x[3 * first[s] :], column[: k + b]
         for j in range(k):
             given[j] = own[j]
         for e in range(begin[s], begin[s + 1]):

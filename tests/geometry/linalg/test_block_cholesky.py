@@ -1,5 +1,6 @@
 """The multifrontal factor against SciPy's, and the order that it eliminates in."""
 
+import numba
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -71,6 +72,22 @@ def test_block_factor_has_a_symmetric_response():
     a, b = rng.normal(size=(2, len(V), 3))
     there, back = (a * factor.solve(b)).sum(), (b * factor.solve(a)).sum()
     assert there == pytest.approx(back, rel=1e-5)
+
+
+@pytest.mark.skipif(
+    numba.config.NUMBA_NUM_THREADS < 2, reason="numba has one thread here, where two are compared"
+)
+def test_block_factor_gives_the_same_bits_on_any_number_of_cores():
+    V, F = grid(40, 40)
+    start, column = graph(F, len(V))
+    rng = np.random.default_rng(3)
+    blocks, B = random_blocks(start, column, rng)[0], rng.normal(size=(len(V), 3))
+    found, before = [], numba.get_num_threads()
+    for threads in (1, 2):
+        numba.set_num_threads(threads)
+        found.append(BlockPattern(V, start, column).factor(blocks).solve(B))
+    numba.set_num_threads(before)
+    assert np.array_equal(*found)
 
 
 @pytest.mark.parametrize("mesh", MESHES)
