@@ -147,6 +147,13 @@ class GoalProjection:
             self._inverse = self._inverse_of(slopes)
         return np.linalg.lstsq(slopes.T, along, rcond=1e-10)[0]
 
+    def energy_at_targets(self, energy: float, multipliers: np.ndarray) -> float:
+        """Energy that the last positions would have if they met the goals exactly.
+
+        Goals are met to a tolerance, which at the ``multipliers`` (g,) may be worth more than a step gains.
+        """
+        return energy + 4.0 * float(multipliers @ (self._target - self.values))
+
     def project(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions near ``U`` (n, 3) meeting the goals, and steps (g,) along directions.
 

@@ -133,6 +133,7 @@ class QuasiNewtonDescent:
     def _line_search(self, slope: np.ndarray, held: np.ndarray) -> bool:
         """Line search from the current positions; False if it fails."""
         surface, start = self._elastic, self._elastic.U
+        before = self._projection.energy_at_targets(self.energy, self.multipliers)
         while True:
             way, along = self._memory.descent_direction(slope, surface.solve)
             promise, first = 4.0 * along, min(1.0, self._growth * self._share)
@@ -142,7 +143,8 @@ class QuasiNewtonDescent:
                 fraction = first * 0.5**halvings
                 U, _ = self._projection.project(surface.positions_along(start, fraction, way, held))
                 energy = surface.energy_after_local_step(U)
-                enough = energy <= self.energy + _SHARE_OF_PROMISE * fraction * promise
+                after = self._projection.energy_at_targets(energy, self.multipliers)
+                enough = after <= before + _SHARE_OF_PROMISE * fraction * promise
                 if enough and self._projection.has_met_goals:
                     self.energy, self._share = energy, fraction
                     self._memory.record_step(start, U, surface.free)

@@ -36,14 +36,17 @@ def to_the_end(solver, targets, most=6000):
     return energies, late.astype(bool)
 
 
-@pytest.mark.parametrize("options", [{}, {"area": 100.0}], ids=["free", "area"])
-def test_adaptive_metric_ends_sooner_and_as_low(options, monkeypatch):
-    """Where there is one minimum: turned farther, either may end in another fold."""
+@pytest.mark.parametrize(("options", "rise"), [({}, 1e-14), ({"area": 100.0}, 1e-9)], ids=["free", "area"])
+def test_adaptive_metric_ends_sooner_and_as_low(options, rise, monkeypatch):
+    """Where there is one minimum: turned farther, either may end in another fold.
+
+    The area is kept to 1e-10, and the energy may rise by what that is worth.
+    """
     energies, late = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(0.6))
     switch = int(np.argmax(late))
     assert late[switch:].all()
     assert not late[:switch].any()
-    assert (np.diff(energies[switch - 10 :]) <= 1e-14 * energies[-1]).all()
+    assert (np.diff(energies[switch - 10 :]) <= rise * energies[-1]).all()
     monkeypatch.setattr(adaptive_metric, "MOST_HESSIAN_VERTICES", 0)
     by_k, never = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(0.6))
     assert not never.any()

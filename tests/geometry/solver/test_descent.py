@@ -49,13 +49,17 @@ def test_constrained_descent_lowers_the_energy_and_keeps_the_goals_met(mesh, mat
     method.set_targets(targets[order])
     method.step()
     assert method.progress.has_met_goals
-    before = surface.energy
+    goals = np.array([goal.target for goal in method.goals])
+    before, missed_before = surface.energy, goals - method.progress.goal_values
     for _ in range(60):
         method.step()
         assert method.progress.has_met_goals
         assert np.array_equal(method.progress.U[fixed[order]], targets[order])
-        assert surface.energy <= before * (1 + 1e-14)
-        before = surface.energy
+        # Goals are met to 1e-10: the energies are compared as if they were met exactly.
+        missed = goals - method.progress.goal_values
+        spared = 4.0 * method.multipliers @ (missed_before - missed)
+        assert surface.energy <= (before + spared) * (1 + 1e-14)
+        before, missed_before = surface.energy, missed
         if method.progress.converged:
             break
 
