@@ -402,7 +402,7 @@ class Deformation:
         converged = progress.converged
         if converged is None or not self._steps.has_steps:
             converged = self._steps.has_converged(self._convergence)
-        elif self._steps.is_at_rounding_level and not progress.is_iterate_hidden:
+        elif self._steps.is_at_rounding_level and progress.may_rest and not progress.is_iterate_hidden:
             converged = True
         return progress.has_met_goals and converged
 

@@ -28,6 +28,8 @@ class SolverProgress(NamedTuple):
         The goals are given up; ``U`` is then the best shape, for good.
     converged : bool or None
         Further steps gain next to nothing; None if only lengths tell.
+    may_rest : bool
+        The shape is at rest after a step of rounding errors alone.
     convergence_ratio : float or None
         Measure of convergence in multiples of its tolerance; None while not known.
     seconds_left : float or None
@@ -41,6 +43,7 @@ class SolverProgress(NamedTuple):
     is_iterate_hidden: bool = False
     stuck: bool = False
     converged: bool | None = None
+    may_rest: bool = True
     convergence_ratio: float | None = None
     seconds_left: float | None = None
 

@@ -100,6 +100,7 @@ class TouchingDescent:
             is_iterate_hidden=self._steps == 0,
             stuck=self._failures >= _PATIENCE and not self.has_met_goals and not self.is_on_its_way,
             converged=self.converged,
+            may_rest=self._may_rest,
             convergence_ratio=self.convergence_ratio,
         )
 
@@ -133,11 +134,12 @@ class TouchingDescent:
 
         Without held vertices, the loads must also cancel out.
         """
-        if self.is_on_its_way:
-            return False
-        return self._gains_little and (
-            self._unbalanced > _MORE_STEPS or self.load_imbalance <= self._surface.most_imbalance
-        )
+        return not self.is_on_its_way and self._gains_little and self._has_balanced_loads
+
+    @property
+    def _has_balanced_loads(self) -> bool:
+        """True if the loads cancel out, or many steps have failed to balance them."""
+        return self._unbalanced > _MORE_STEPS or self.load_imbalance <= self._surface.most_imbalance
 
     @property
     def _gains_little(self) -> bool:
@@ -188,7 +190,7 @@ class TouchingDescent:
 
     def _begin_to_converge(self) -> None:
         self._energies: deque[float] = deque(maxlen=_WINDOW + 1)
-        self._at_minimum, self._unbalanced = False, 0
+        self._at_minimum, self._may_rest, self._unbalanced = False, False, 0
 
     def step(self) -> None:
         """Advance the held vertices if due, or reduce the energy."""
@@ -206,12 +208,14 @@ class TouchingDescent:
             self._quasi_newton.resume()
         before = self.U
         moved = self._quasi_newton.step(self.held_positions)
-        self._at_minimum = not moved and not self._surface.request_new_metric()
+        awaits_metric = not moved and self._surface.request_new_metric()
+        self._at_minimum = not moved and not awaits_metric
         self._surface.contact.accept_shape(self.U)
         self._energies.append(self._quasi_newton.energy)
         self._unbalanced = self._unbalanced + 1 if self._gains_little else 0
-        stands = largest_difference(self.U, before) <= _ROUNDING * self._size
-        if (self.converged or (stands and not self.is_on_its_way)) and self._surface.make_thinner():
+        stands = not awaits_metric and largest_difference(self.U, before) <= _ROUNDING * self._size
+        self._may_rest = stands and not self.is_on_its_way and self._has_balanced_loads
+        if (self.converged or self._may_rest) and self._surface.make_thinner():
             self._steps = 0
             self._begin_to_converge()
             self._quasi_newton.resume()

@@ -1,5 +1,7 @@
 """Bags of two sheets that are sewn at their rims, filled, and pressed between plates."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.scalars import triangle_stretches
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.geometry.solver.pressed_mesh import press
+from apd_viewer.geometry.solver.quasi_newton_descent import QuasiNewtonDescent
 from apd_viewer.verification.case_meshes import grid, sewn_sheets
 
 SIZE = 40.0  # cm
@@ -45,6 +48,26 @@ def test_press_fills_a_flat_pillow_and_halves_its_height_without_stretching_it(n
         largest, _ = triangle_stretches(V[F], U[F])
         assert np.maximum(largest - 1.0, 0.0).mean() < 3e-3
     record_property("load at half height", found.steps[-1].load)
+
+
+@pytest.mark.night
+@pytest.mark.parametrize("seed", range(1, 7))
+def test_press_loads_both_plates_alike_whatever_the_rounding(seed):
+    V, F = pillow(8)
+    V = V + 1e-10 * np.random.default_rng(seed).normal(size=V.shape)
+    check_steps(press(V, F, Z, "50%", 5, filled_volume=FILLED, **FILM))
+
+
+def test_press_goes_on_after_searches_that_fail(monkeypatch):
+    """A shape that has not moved as its metric was outdated is not at rest."""
+    step, count = QuasiNewtonDescent.step, itertools.count(1)
+
+    def failing_at_times(self, held):
+        return next(count) % 40 > 0 and step(self, held)
+
+    monkeypatch.setattr(QuasiNewtonDescent, "step", failing_at_times)
+    V, F = pillow(8)
+    check_steps(press(V, F, Z, "60%", 2, filled_volume=FILLED, **FILM))
 
 
 @pytest.mark.parametrize("n", [8, pytest.param(20, marks=pytest.mark.night)])
