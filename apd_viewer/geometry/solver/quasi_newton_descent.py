@@ -18,6 +18,8 @@ _REMEMBERED = 5
 # Smallest accepted fraction of the decrease predicted by the slope [Armijo 1966].
 _SHARE_OF_PROMISE = 1e-4
 _HALVINGS = 12
+# Steps after a part of a path that are compared with those after the last part; at least as many follow.
+_FIRST_STEPS = 4
 
 
 class DescentSurface(ElasticResponse, Protocol):
@@ -99,6 +101,8 @@ class QuasiNewtonDescent:
         longest: float = np.inf,
     ) -> None:
         self._growth, self._longest, self._share = growth, longest, 1.0
+        # Displacements of the first steps after the last part of a path, and the number of steps since.
+        self._first_reaches, self._steps, self._reach = np.full(_FIRST_STEPS, np.inf), _FIRST_STEPS, np.inf
         self._elastic, self._projection = surface, projection
         self._memory = LbfgsMemory(len(surface.free), _REMEMBERED)
         # G and g at the start of the last step.
@@ -106,8 +110,18 @@ class QuasiNewtonDescent:
         self.multipliers = np.zeros(len(projection.goals))
         self.energy = surface.energy
 
-    def resume(self) -> None:
-        """Continue from changed positions, keeping the memory of earlier steps."""
+    def resume(self, reach: float = np.inf) -> None:
+        """Continue from changed positions, keeping the memory of earlier steps.
+
+        Parameters
+        ----------
+        reach : float
+            Displacement that the first searches after a part of a path may begin with in any case; longer
+            ones begin at most ``growth`` times as far as those after the last part ended. Infinite after
+            other changes, which tell nothing.
+        """
+        if reach < np.inf:
+            self._steps, self._reach = 0, reach
         self._last = None
         self.energy = self._elastic.energy
 
@@ -137,8 +151,12 @@ class QuasiNewtonDescent:
         while True:
             way, along = self._memory.descent_direction(slope, surface.solve)
             promise, first = 4.0 * along, min(1.0, self._growth * self._share)
-            if self._longest < np.inf:
-                first = min(first, self._longest / max(float(np.abs(way).max()), 1e-300))
+            is_first, longest = self._steps < _FIRST_STEPS, self._longest
+            if is_first:
+                longest = min(longest, max(self._reach, self._growth * self._first_reaches[self._steps]))
+            if is_first or longest < np.inf:
+                reach = max(float(np.abs(way).max()), 1e-300)
+                first = min(first, longest / reach)
             for halvings in range(_HALVINGS):
                 fraction = first * 0.5**halvings
                 U, _ = self._projection.project(surface.positions_along(start, fraction, way, held))
@@ -147,6 +165,9 @@ class QuasiNewtonDescent:
                 enough = after <= before + _SHARE_OF_PROMISE * fraction * promise
                 if enough and self._projection.has_met_goals:
                     self.energy, self._share = energy, fraction
+                    if is_first:
+                        self._first_reaches[self._steps] = fraction * reach
+                        self._steps += 1
                     self._memory.record_step(start, U, surface.free)
                     return True
             surface.local_step(start)

@@ -260,7 +260,7 @@ class TouchingDescent:
         self._waited += 1
         self._surface.attach_springs(self.held_positions)
         self._begin_to_converge()
-        self._quasi_newton.resume()
+        self._quasi_newton.resume(self._surface.reach * self._size)
 
     def _move_held_vertices(self, fraction: float) -> bool:
         """Move held vertices and obstacles, free vertices following; False if blocked."""

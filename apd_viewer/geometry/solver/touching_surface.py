@@ -46,6 +46,9 @@ class TouchingSurface(ABC):
     growth : float
         Largest first length of a line search, relative to the final one of the last search: in dense contact,
         about that length is collision-free.
+    reach : float
+        Displacement, in mesh sizes, above which the first searches after a part of the path are no longer
+        than those after the last part: longer ones would be refused. Infinite for no such limit.
     least_part : float
         Shortest part of the path of held vertices and obstacles, in mesh sizes.
     follows_at_once : bool
@@ -54,7 +57,7 @@ class TouchingSurface(ABC):
         Largest imbalance at rest of the loads on a mesh without held vertices.
     """
 
-    longest_step, growth, least_part, follows_at_once = np.inf, 1.6, 1e-4, False
+    longest_step, growth, reach, least_part, follows_at_once = np.inf, 1.6, 5e-4, 1e-4, False
     # Loads on two plates then agree within a thousandth.
     most_imbalance = 4e-4
 

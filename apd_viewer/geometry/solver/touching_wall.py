@@ -48,7 +48,7 @@ class TouchingWall(TouchingSurface):
     """
 
     elastic_surface: WallSurface
-    longest_step, growth, least_part, follows_at_once = 0.05, 4.0, 1e-7, True
+    longest_step, growth, reach, least_part, follows_at_once = 0.05, 4.0, np.inf, 1e-7, True
     # With 2e-3, or 3e-4, loads of a thick ring can be off by 1 %. A smaller tolerance of the energy instead
     # leaves thin rings the time to tip over, as nothing but friction would keep them upright.
     most_imbalance = 1e-4

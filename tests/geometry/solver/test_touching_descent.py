@@ -10,6 +10,7 @@ from meshes import ends, moved, rotation, tube
 from apd_viewer.geometry.pose.constraints import SoftConstraints
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.deformation_result import deform
+from apd_viewer.geometry.solver.touching_surface import TouchingElasticSurface
 
 Z = np.eye(3)[2]
 TWIST = rotation(Z, np.radians(150.0))
@@ -63,6 +64,28 @@ def test_touching_descent_never_raises_the_energy_of_shape_and_gaps_while_handle
             )
     assert judged >= 20
     assert tolerances == pytest.approx([tolerances[0]] * len(tolerances), rel=1e-6), "ten steps and no fewer"
+
+
+def test_touching_descent_has_few_shapes_refused_in_a_drag(monkeypatch):
+    """Steps begin as long as those after the last part of the path; a quarter of all iterations are parts."""
+    tried, energy = [], TouchingElasticSurface.energy_after_local_step
+    monkeypatch.setattr(
+        TouchingElasticSurface,
+        "energy_after_local_step",
+        lambda self, U: tried.append(None) or energy(self, U),
+    )
+    V, F, fixed, high, targets = twisted()
+    solver = Deformation(V, F, fixed, handle=high, contact=True)
+    solver.aim(targets)
+    while not solver.settled:
+        solver.iterate()
+    tried.clear()
+    for degrees in range(152, 202, 2):
+        targets[-len(high) :] = moved(V[high], rotation(Z, np.radians(float(degrees))))
+        solver.aim(targets)
+        for _ in range(4):
+            solver.iterate()
+    assert 60 <= len(tried) <= 100
 
 
 def test_touching_descent_lets_no_vertices_drawn_softly_cross():
