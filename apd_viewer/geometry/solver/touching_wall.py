@@ -62,7 +62,8 @@ class TouchingWall(TouchingSurface):
         self._age = _RENEWED
         self._size = float(np.linalg.norm(np.ptp(elastic_surface.rest.V, axis=0)))
         self._tensions, self._pressure = np.zeros(len(elastic_surface.rest.F)), 0.0
-        self._is_held = bool(len(elastic_surface.fixed) or len(elastic_surface.soft.ids))
+        held = len(elastic_surface.fixed) + len(elastic_surface.soft.ids)
+        self._is_held, self._may_turn = held > 0, held < 3
         self._factored: Metric | None = None
         self._is_definite: bool | None = None
 
@@ -151,8 +152,10 @@ class TouchingWall(TouchingSurface):
                 factor = BlockFactor(pattern, blocks, np.float64)
             except ValueError:
                 continue
-            # The curvature of the gaps is not in the matrix, so that in contact it only proves minima.
-            self._is_definite = (share, firmer) == _ATTEMPTS[0] or (None if len(self._springs.ids) else False)
+            # The curvature of the gaps is not in the matrix, and that of free turns is rounded to either side
+            # of 0: then it only proves minima.
+            is_known = not (self._may_turn or len(self._springs.ids))
+            self._is_definite = (share, firmer) == _ATTEMPTS[0] or (False if is_known else None)
             return factor
         raise ArithmeticError("The Hessian of the wall is not finite.")
 
