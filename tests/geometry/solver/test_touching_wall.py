@@ -232,6 +232,7 @@ def test_deformation_by_wall_draws_what_is_soft_along():
 
 
 def test_deformation_by_wall_stops_at_an_obstacle_that_bends_it():
+    """Pressed in by more than twice as much, it may snap through and leave the plate."""
     ball, T = sphere(2)
     solver = Deformation(
         *(ball, T, np.flatnonzero(ball[:, 2] < -0.9)),
@@ -240,11 +241,11 @@ def test_deformation_by_wall_stops_at_an_obstacle_that_bends_it():
         contact=True,
         obstacles=[plate([0.0, 0.0, 1.05], [0.0, 0.0, -1.0], 3.0)],
     )
-    solver.aim(ball[solver.fixed], shifts=[[0.0, 0.0, -0.3]])
+    solver.aim(ball[solver.fixed], shifts=[[0.0, 0.0, -0.12]])
     *_, frame = settle(solver)
-    assert frame.U[:, 2].max() < 0.75
+    assert frame.U[:, 2].max() < 0.93
     assert frame.share_reached == 1.0
-    assert frame.loads[0] @ [0.0, 0.0, 1.0] > 0.0
+    assert frame.loads[0] @ [0.0, 0.0, 1.0] > 0.02
 
 
 def test_deformation_approaches_a_very_thin_wall_by_thicker_ones():
