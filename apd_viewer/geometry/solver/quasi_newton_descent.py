@@ -17,10 +17,7 @@ from apd_viewer.geometry.linalg.lbfgs import LbfgsMemory
 _REMEMBERED = 5
 # Smallest accepted fraction of the decrease predicted by the slope [Armijo 1966].
 _SHARE_OF_PROMISE = 1e-4
-# Relative rounding error of an energy.
-_ROUNDING = 1e-15
-# Halvings of a step by remembered steps, and of one by the metric alone: that ends at rounding errors.
-_HALVINGS, _LAST_HALVINGS = 12, 60
+_HALVINGS = 12
 # Steps after a part of a path that are compared with those after the last part; at least as many follow.
 _FIRST_STEPS = 4
 
@@ -160,10 +157,8 @@ class QuasiNewtonDescent:
             if is_first or longest < np.inf:
                 reach = max(float(np.abs(way).max()), 1e-300)
                 first = min(first, longest / reach)
-            for halvings in range(_HALVINGS if len(self._memory) else _LAST_HALVINGS):
+            for halvings in range(_HALVINGS):
                 fraction = first * 0.5**halvings
-                if halvings > _HALVINGS and fraction * abs(promise) <= _ROUNDING * abs(before):
-                    break
                 U, _ = self._projection.project(surface.positions_along(start, fraction, way, held))
                 energy = surface.energy_after_local_step(U)
                 after = self._projection.energy_at_targets(energy, self.multipliers)
