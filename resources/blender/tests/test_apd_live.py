@@ -388,7 +388,9 @@ def imported(path, low, high, axis, refinements=0):
 
 @pytest.mark.parametrize("refinements", [0, 1])
 @pytest.mark.parametrize(
-    "mesh", os.environ.get("APD_MESHES", str(ROOT / "resources" / "bottle.obj")).split(":")
+    "mesh",
+    os.environ.get("APD_MESHES", str(ROOT / "resources" / "bottle.obj")).split(os.pathsep),
+    ids=lambda path: Path(path).name,
 )
 def test_live_deformation_is_as_fast_as_the_solver(addon, scene, mesh, refinements, tmp_path):
     obj, hand = imported(mesh, 0.06, 0.93, 1, refinements)
