@@ -127,8 +127,8 @@ def subtract_with_products(A: np.ndarray, B: np.ndarray, step: np.ndarray, out: 
         u, v, s, y = A[first:end], B[first:end], step[first:end], out[first:end]
         a = b = c = 0.0
         for i in range(len(u)):
-            difference = u[i] - v[i]
-            y[i] = difference
+            y[i] = u[i] - v[i]
+            difference = np.float64(y[i])
             a += difference * s[i]
             b += np.float64(s[i]) * s[i]
             c += difference * difference

@@ -181,3 +181,13 @@ def test_lbfgs_memory_leaves_out_a_step_over_which_the_slope_fell():
     way, along = memory.descent_direction(np.ones((2, 3)), lambda b: 2 * b)
     assert np.array_equal(way, np.full((2, 3), -2.0))
     assert along == -12.0
+
+
+@pytest.mark.parametrize("tiny", [1e-30, 1e-44, 1e-46])
+def test_lbfgs_memory_keeps_only_changes_that_single_precision_can_hold(tiny):
+    memory = LbfgsMemory(2, 3)
+    remember(memory, np.full((2, 3), 1e-40), np.full((2, 3), tiny))
+    way, along = memory.descent_direction(np.ones((2, 3)), lambda b: b)
+    assert len(memory) == (tiny > 1e-45)
+    assert np.isfinite(way).all()
+    assert along < 0.0
