@@ -152,10 +152,13 @@ class QuasiNewtonDescent:
             way, along = self._memory.descent_direction(slope, surface.solve)
             promise, first = 4.0 * along, min(1.0, self._growth * self._share)
             is_first, longest = self._steps < _FIRST_STEPS, self._longest
-            if is_first:
-                longest = min(longest, max(self._reach, self._growth * self._first_reaches[self._steps]))
             if is_first or longest < np.inf:
                 reach = max(float(np.abs(way).max()), 1e-300)
+            if is_first:
+                # A shape at rest ended its searches after any length.
+                first = max(first, min(1.0, self._reach / reach))
+                longest = min(longest, max(self._reach, self._growth * self._first_reaches[self._steps]))
+            if longest < np.inf:
                 first = min(first, longest / reach)
             for halvings in range(_HALVINGS):
                 fraction = first * 0.5**halvings

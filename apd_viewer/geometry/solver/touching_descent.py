@@ -149,20 +149,25 @@ class TouchingDescent:
     def load_imbalance(self) -> float:
         """Length of the sum of all obstacle loads over the sum of their lengths.
 
-        0 with held vertices, which balance the loads.
+        0 with held vertices, which balance the loads, and for loads that are rounding errors.
         """
         contact = self._surface.contact
         if len(self._surface.elastic_surface.fixed) or not contact.obstacles:
             return 0.0
         contact.quarter_gradient(self.U)
         total = float(np.linalg.norm(contact.loads, axis=1).sum())
-        return float(np.linalg.norm(contact.loads.sum(axis=0))) / total if total else 0.0
+        if total <= _ROUNDING * self._size:
+            return 0.0
+        return float(np.linalg.norm(contact.loads.sum(axis=0))) / total
 
     @property
     def convergence_ratio(self) -> float | None:
         """Energy gain of the last steps in multiples of the tolerance; None at first."""
         E = self._energies
-        return float(E[0] - E[-1]) / (self.tolerance * abs(float(E[-1]))) if len(E) > _WINDOW else None
+        if len(E) <= _WINDOW:
+            return None
+        least = (_ROUNDING * self._size) ** 2
+        return float(E[0] - E[-1]) / (self.tolerance * max(abs(float(E[-1])), least))
 
     def follow_path(self, path: HeldPath, fraction: float) -> None:
         """Follow ``path`` from ``fraction``, the part that held vertices have completed."""

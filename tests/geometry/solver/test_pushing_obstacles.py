@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from crossing_check import CrossingCheck
-from meshes import ends, tube
+from meshes import box, ends, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact_obstacles import capsule, plate, sphere
@@ -54,6 +54,26 @@ def settle(solver, obstacles, most=2500):
         if solver.settled:
             break
     return frame
+
+
+def test_plates_press_a_shape_as_well_that_was_at_rest_between_them():
+    """Searches for a shape that already stands tell nothing of those after the plates have moved."""
+    V, F = box(2, 2, 5)
+    # Within reach of contact by rounding errors.
+    near = 1e-3 * (1 - 1e-12) * np.linalg.norm(np.ptp(V, axis=0))
+    plates = [plate([-near, 1.0, 2.5], X, 5.0), plate([2.0 + near, 1.0, 2.5], -X, 5.0)]
+    pressed = []
+    for iterations_before in 0, 300:
+        solver = Deformation(V, F, [], contact=True, obstacles=plates)
+        for _ in range(iterations_before):
+            solver.iterate()
+        solver.aim(NOBODY, shifts=np.array([0.05 * X, 0 * X]))
+        frame = settle(solver, plates)
+        assert frame.settled
+        assert frame.share_reached == 1.0
+        assert frame.loads[:, 0].sum() == pytest.approx(0.0, abs=1e-3 * frame.loads[1, 0])
+        pressed.append((frame.energy, frame.loads[1, 0]))
+    assert pressed[1] == pytest.approx(pressed[0], rel=0.01)
 
 
 @pytest.mark.parametrize("method", ["exact", "wall"])
