@@ -56,7 +56,7 @@ def settle(solver, obstacles, most=2500):
     return frame
 
 
-def test_plates_press_a_shape_as_well_that_was_at_rest_between_them():
+def test_obstacles_press_a_shape_as_well_that_was_at_rest_between_them():
     """Searches for a shape that already stands tell nothing of those after the plates have moved."""
     V, F = box(2, 2, 5)
     # Within reach of contact by rounding errors.
