@@ -17,7 +17,10 @@ from apd_viewer.geometry.linalg.lbfgs import LbfgsMemory
 _REMEMBERED = 5
 # Smallest accepted fraction of the decrease predicted by the slope [Armijo 1966].
 _SHARE_OF_PROMISE = 1e-4
-_HALVINGS = 12
+# Relative rounding error of an energy.
+_ROUNDING = 1e-15
+# Halvings of a step by remembered steps, and of one by the metric alone: that ends at rounding errors.
+_HALVINGS, _LAST_HALVINGS = 12, 60
 # Steps after a part of a path that are compared with those after the last part; at least as many follow.
 _FIRST_STEPS = 4
 
@@ -160,14 +163,16 @@ class QuasiNewtonDescent:
                 longest = min(longest, max(self._reach, self._growth * self._first_reaches[self._steps]))
             if longest < np.inf:
                 first = min(first, longest / reach)
-            for halvings in range(_HALVINGS):
+            for halvings in range(_HALVINGS if len(self._memory) else _LAST_HALVINGS):
                 fraction = first * 0.5**halvings
+                if halvings > _HALVINGS and fraction * abs(promise) <= _ROUNDING * abs(before):
+                    break
                 U, _ = self._projection.project(surface.positions_along(start, fraction, way, held))
                 energy = surface.energy_after_local_step(U)
                 after = self._projection.energy_at_targets(energy, self.multipliers)
                 enough = after <= before + _SHARE_OF_PROMISE * fraction * promise
                 if enough and self._projection.has_met_goals:
-                    self.energy, self._share = energy, fraction
+                    self.energy, self._share = energy, max(fraction, 0.5**_HALVINGS)
                     if is_first:
                         self._first_reaches[self._steps] = fraction * reach
                         self._steps += 1
