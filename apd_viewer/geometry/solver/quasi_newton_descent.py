@@ -155,13 +155,10 @@ class QuasiNewtonDescent:
             way, along = self._memory.descent_direction(slope, surface.solve)
             promise, first = 4.0 * along, min(1.0, self._growth * self._share)
             is_first, longest = self._steps < _FIRST_STEPS, self._longest
+            if is_first:
+                longest = min(longest, max(self._reach, self._growth * self._first_reaches[self._steps]))
             if is_first or longest < np.inf:
                 reach = max(float(np.abs(way).max()), 1e-300)
-            if is_first:
-                # A shape at rest ended its searches after any length.
-                first = max(first, min(1.0, self._reach / reach))
-                longest = min(longest, max(self._reach, self._growth * self._first_reaches[self._steps]))
-            if longest < np.inf:
                 first = min(first, longest / reach)
             for halvings in range(_HALVINGS if len(self._memory) else _LAST_HALVINGS):
                 fraction = first * 0.5**halvings
@@ -172,6 +169,7 @@ class QuasiNewtonDescent:
                 after = self._projection.energy_at_targets(energy, self.multipliers)
                 enough = after <= before + _SHARE_OF_PROMISE * fraction * promise
                 if enough and self._projection.has_met_goals:
+                    # At rest even steps of 1e-40 are accepted, and the next searches would begin there.
                     self.energy, self._share = energy, max(fraction, 0.5**_HALVINGS)
                     if is_first:
                         self._first_reaches[self._steps] = fraction * reach
