@@ -28,7 +28,7 @@ def walked(document: Document) -> PathIteration:
     """A walk to its end, every third shape on the way and the last one looked at."""
     solver = deformation_of(document, document.constraints())
     walk = document_iteration(solver, document)
-    for count in range(3000):
+    for count in range(8000):
         walk.iterate()
         done = walk.has_arrived and solver.settled
         assert (count % 3 and not done) or len(crossings(walk.frame().U, document.mesh.joined_F)) == 0
