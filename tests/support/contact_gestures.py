@@ -13,6 +13,7 @@ from apd_viewer.session.state_store import Activity
 
 TUBE = Mesh(*tube(16, 16))
 EDGES = ipctk.edges(np.asfortranarray(TUBE.F))
+_ENOUGH_IN_TOUCH, _MOST_ROUNDS = 5, 10
 CHECKED = ipctk.CollisionMesh(np.asfortranarray(TUBE.V), EDGES, np.asfortranarray(TUBE.F))
 
 
@@ -83,15 +84,19 @@ class TouchingUser(User):
 
 
 def play(gestures: int, seed: int = 1) -> tuple[int, int]:
-    """So many gestures; numbers of frames that were seen, and of those in touch."""
+    """Gestures until enough frames are in touch; numbers of frames seen, and of those in touch."""
     user = TouchingUser(seed)
     try:
         user.open_mesh()
         user.drag(np.eye(4) + 0.01 * np.eye(4, k=3))
         user.until(lambda: user.store.state.frame.iteration, seconds=120.0)  # kernels are compiled first
-        began = time.monotonic()
-        user.play(gestures)
-        assert time.monotonic() - began < 3.0 * gestures, "it hangs"
+        for _ in range(_MOST_ROUNDS):
+            began = time.monotonic()
+            user.play(gestures)
+            assert time.monotonic() - began < 3.0 * gestures, "it hangs"
+            # How far the worker comes between two gestures is a matter of the machine.
+            if user.touched > _ENOUGH_IN_TOUCH:
+                break
         return user.frames, user.touched
     finally:
         user.close()
