@@ -108,6 +108,7 @@ class KeptWindow:
             self._background = drawn.GetBackground(), drawn.GetBackground2(), drawn.GetGradientBackground()
             self._checked = {each: each.isChecked() for each in checkable if each.isCheckable()}
         self._window.shell.setUpdatesEnabled(True)
+        self._window.shell.setEnabled(True)
         activate(qtbot, self._window)
         if (keys := self._window.shell.focusWidget()) is not None:
             keys.clearFocus()
@@ -125,6 +126,8 @@ class KeptWindow:
         idle(qtbot, self._window)
         self._forget_mesh()
         self._restore_choices()
+        # It stays the active window, to which Qt gives the keys that tests press in widgets of their own.
+        self._window.shell.setEnabled(False)
 
     def _close_all(self):
         window, session = self._window, self._window.session

@@ -10,7 +10,8 @@ from finished_study import write_study
 from kept_window import bottle_in
 from meshes import box
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QApplication
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.exceptions import TimeoutError as Waited
 from whole_state import differences, whole_state
 
@@ -264,3 +265,15 @@ def test_kept_window_is_as_it_was_opened_whatever_was_done_with_it(
         bottle_in(qtbot, fresh, painted_bottle)
     left = left_behind(qtbot, fresh, at_first)
     assert not left, "\n".join(left)
+
+
+def test_kept_window_takes_no_keys_between_two_tests(qtbot, kept):
+    """Though it stays the active one, whose shortcuts Qt looks up first."""
+    edges = kept.opened(qtbot).actions_.view.edges
+    kept.reset(qtbot)
+    own = QWidget()
+    qtbot.addWidget(own)
+    own.show()
+    qtbot.waitExposed(own)
+    QTest.keyClick(own, edges.shortcut().toString())
+    assert not edges.isChecked()
