@@ -78,7 +78,11 @@ class SolveMesh:
 
     def is_connected_to(self, fixed: np.ndarray) -> np.ndarray:
         """Mask (n,) of vertices connected to ``fixed`` ones (k,); all True without any."""
-        return np.isin(self.component, self.component[fixed]) if len(fixed) else self.vertex_areas > 0.0
+        if not len(fixed):
+            return np.asarray(self.vertex_areas > 0.0)
+        has_fixed = np.zeros(len(self.V), dtype=bool)
+        has_fixed[self.component[fixed]] = True
+        return has_fixed[self.component]
 
     @cached_property
     def masses(self) -> np.ndarray:

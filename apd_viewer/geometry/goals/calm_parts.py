@@ -165,7 +165,7 @@ def _potentials(
 
 def _is_free(solve_mesh: SolveMesh, held: np.ndarray) -> np.ndarray:
     """Mask (n,) of the free vertices, the unknowns of the solver."""
-    moves = np.isin(solve_mesh.component, solve_mesh.component[held])
+    moves = solve_mesh.is_connected_to(held)
     moves[held] = False
     return moves
 
@@ -250,10 +250,9 @@ def solve_two_grid(
     """
     # With E the rows of P at the unknowns and H all others, E^T L E takes far fewer products than without R.
     others, elastic = np.flatnonzero(~is_free), np.flatnonzero(springs)
-    H, S = P[others], P[elastic]
-    LH = L[:, others] @ H
-    mixed = P.T @ LH
-    coarse = R - mixed - mixed.T + H.T @ LH[others] + S.T @ diags_array(springs[elastic]) @ S
+    H, S, LO = P[others], P[elastic], L[others]
+    mixed = (LO @ P).T @ H
+    coarse = R - mixed - mixed.T + H.T @ (LO[:, others] @ H) + S.T @ diags_array(springs[elastic]) @ S
     used = np.flatnonzero(P.T @ is_free.astype(float))
     coarse = coarse.tocsr()[used][:, used]
     coarse += diags_array(np.full(len(used), _SHIFT * coarse.diagonal().mean()))

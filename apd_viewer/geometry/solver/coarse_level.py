@@ -15,13 +15,14 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
+from numba import prange
 from scipy.spatial import KDTree
 
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.goals import Goal, goal_at_rest
 from apd_viewer.geometry.linalg.rotations import blended_rotations, relative_rotations
-from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.arrays import used_vertices
 from apd_viewer.geometry.mesh.decimation import with_held_vertices
 from apd_viewer.geometry.mesh.prolongation import Prolongation
@@ -263,13 +264,21 @@ def _within(V: np.ndarray, points: np.ndarray, width: float) -> np.ndarray:
         for step in np.ndindex(3, 3, 3):
             i, j, k = np.clip(own + step - 1, 0, count - 1).T
             table[i, j, k] = True
-        cells = np.floor((V - low) / side)
-        inside = np.flatnonzero(((cells >= 0.0) & (cells < count)).all(axis=1))
-        i, j, k = cells[inside].astype(int).T
-        inside = inside[table[i, j, k]]
+        inside = np.flatnonzero(_are_in_cells(V, low, side, table))
         away = KDTree(points).query(V[inside], distance_upper_bound=width, workers=-1)[0]
         near[inside] = np.isfinite(away)
     return near
+
+
+@parallel()
+def _are_in_cells(V: np.ndarray, low: np.ndarray, side: float, table: np.ndarray) -> np.ndarray:
+    """Mask (n,) of positions in the marked cells of a grid from ``low`` (3,)."""
+    found = np.zeros(len(V), dtype=np.bool_)
+    for v in prange(len(V)):
+        i, j, k = (V[v, 0] - low[0]) / side, (V[v, 1] - low[1]) / side, (V[v, 2] - low[2]) / side
+        if min(i, j, k) >= 0.0 and i < table.shape[0] and j < table.shape[1] and k < table.shape[2]:
+            found[v] = table[int(i), int(j), int(k)]
+    return found
 
 
 def _subsurface(surface: ElasticSurface, solved: np.ndarray) -> tuple[ElasticSurface, np.ndarray]:

@@ -66,8 +66,7 @@ def checked_shifts(value: np.ndarray | None, count: int) -> np.ndarray:
 
 def check_any_free(rest: RestMesh, held: np.ndarray) -> None:
     """Raise InputError if all parts with ``held`` (h,) vertices are rigid."""
-    part = rest.solve_mesh.component
-    if len(held) and np.isin(part, part[held]).sum() == len(held):
+    if len(held) and rest.solve_mesh.is_connected_to(held).sum() == len(held):
         raise InputError(tr("Every vertex is held; leave some free to deform."))
 
 
