@@ -6,17 +6,23 @@ it matters where, and not only that they do, and triangles that overlap in one p
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import frozen, used_vertices
 
 # Distances below this fraction of the mesh size count as contact; relative rounding error of a determinant.
 _TOUCH = 1e-12
 _ROUNDING = 1e-14
 # Pairs per batch: enough for efficient array operations with little memory.
 _PORTION = 200_000
+# Triangles searched at once: edges and tree of so many take 0.7 GB.
+MOST_AT_ONCE = 1_000_000
 
 
 class _Edges(NamedTuple):
@@ -76,6 +82,29 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     if not len(F):
         return np.zeros((0, 2), dtype=np.int64)
     X = _unit_size_positions(U, F)
+    return np.concatenate([proper[slab[_pairs_within(ipctk, X, F[slab])]] for slab in _slabs(X, F)])
+
+
+def _slabs(X: np.ndarray, F: np.ndarray) -> Iterator[np.ndarray]:
+    """Triangles (k,) that reach into each slab of space across the longest axis.
+
+    Two triangles that meet both reach into the slab where they do.
+    """
+    count = math.ceil(len(F) / MOST_AT_ONCE)
+    along = X[:, np.argmax(np.ptp(X, axis=0))]
+    a, b, c = (along[corner] for corner in F.T)
+    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    cuts = np.quantile(low, np.arange(1, count) / count, method="lower")  # so that no slab is empty
+    for begin, end in pairwise([-np.inf, *cuts, np.inf]):
+        yield np.flatnonzero((high >= begin) & (low <= end))
+
+
+def _pairs_within(ipctk: ModuleType, X: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Pairs (p, 2) of triangles ``F`` (m, 3) piercing or overlapping each other."""
+    vertices = used_vertices(F)
+    number = np.empty(len(X), dtype=np.int64)
+    number[vertices] = np.arange(len(vertices))
+    X, F = X[vertices], number[F]
     edges, tree = _Edges.from_triangles(F, len(X)), ipctk.LBVH()
     tree.build(np.asfortranarray(X), edges.ends.astype(np.int32), np.asfortranarray(F, dtype=np.int32))
     near = tree.detect_edge_face_candidates()  # excludes pairs with a common vertex
@@ -90,7 +119,7 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
         face = face[lies][which]
         over = _overlap_mask(X, F[face], F[other])
         found.append(np.column_stack([other[over], face[over]]))
-    return proper[np.concatenate(found)]
+    return np.concatenate(found)
 
 
 def _unit_size_positions(U: np.ndarray, F: np.ndarray) -> np.ndarray:

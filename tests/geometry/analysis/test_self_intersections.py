@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from apd_viewer.geometry.analysis import self_intersections
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
@@ -89,6 +90,22 @@ def test_crossings_of_a_heap_of_triangles_are_those_of_exact_arithmetic(seed, n,
     U = (rng.normal(size=(n, 3)) + rng.normal(size=3)) * 10.0**power
     F = np.array([rng.choice(n, 3, replace=False) for _ in range(m)])
     assert crossings(U, F).tolist() == by_all_pairs(U, F)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(4, 12), st.integers(2, 16), st.integers(1, 7))
+def test_crossings_searched_in_slabs_are_those_of_exact_arithmetic(seed, n, m, at_once):
+    """Also where triangles of any size lie in several slabs, and many begin at one place."""
+    rng = np.random.default_rng(seed)
+    U = rng.integers(0, 5, (n, 3)).astype(float)
+    F = np.array([rng.choice(n, 3, replace=False) for _ in range(m)])
+    F = F[face_areas(U, F) > 0.0]
+    with pytest.MonkeyPatch.context() as patch:
+        whole = crossings(U, F)
+        patch.setattr(self_intersections, "MOST_AT_ONCE", at_once)
+        assert np.array_equal(crossings(U, F), whole)
+        U = U + rng.normal(size=U.shape)
+        assert crossings(U, F).tolist() == by_all_pairs(U, F)
 
 
 @pytest.mark.parametrize("name", CLEAN)
