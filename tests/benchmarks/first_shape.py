@@ -1,26 +1,31 @@
 """How long the first shape of a drag takes on a large mesh, and how much memory all processes share.
 
-    python tests/benchmarks/first_shape.py FILE|EDGE [seconds] [shapes] [stroke]
+    python tests/benchmarks/first_shape.py FILE|EDGE [seconds] [shapes] [stroke] [--window]
 
-A session without a window reads and opens the FILE, or the sample bottle with edges of that length, such as
-0.141 for 655,000 vertices. The ends of its longest side are painted, and after some seconds, 10 by default,
-one of them is turned by a degree at each event of the mouse, until so many shapes have come, by default 5.
-Each end takes ``stroke`` seconds to paint, by default none.
+A session without a window, or with one, reads and opens the FILE, or the sample bottle with edges of that
+length, such as 0.141 for 655,000 vertices. The ends of its longest side are painted, and after some seconds,
+10 by default, one of them is turned by a degree at each event of the mouse, until so many shapes have come,
+by default 5. Each end takes ``stroke`` seconds to paint, by default none. In a window a shape has come once
+it is drawn, and what drawing the same shape again takes is told, too.
 """
 
 import os
 import sys
+import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
 from event_loop_gaps import EVERY, Loop, rotation, sample_bottle
-from PySide6.QtCore import QCoreApplication
+from PySide6.QtCore import QCoreApplication, QSettings
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.ui.application import make_application
+from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.workbench import Workbench
 
 END = 0.04  # of the longest side, that is painted at each end
 
@@ -62,14 +67,31 @@ def has_moved(frame: Frame, before: np.ndarray) -> bool:
     return frame.iteration > 0 and frame.U is not before
 
 
-def main(source: str, pause: float = 10.0, shapes: int = 5, stroke: float = 0.0) -> None:
-    QCoreApplication([])
+def open_window() -> Workbench:
+    """A shown window with settings of its own."""
+    settings = QSettings(tempfile.mkdtemp() + "/none.ini", QSettings.Format.IniFormat)
+    window = Workbench(Shell(settings))
+    window.shell.resize(1280, 800)
+    window.shell.show()
+    return window
+
+
+def main(
+    source: str, pause: float = 10.0, shapes: int = 5, stroke: float = 0.0, in_window: bool = False
+) -> None:
+    """Print what each step takes."""
+    _application = make_application([]) if in_window else QCoreApplication([])
     clock = Clock()
     mesh = open_mesh(source) if Path(source).exists() else Mesh(*sample_bottle(float(source))[:2])
     clock.tell("read")
     print(f"{len(mesh.V):,} vertices, {len(mesh.F):,} triangles")
-    loop = Loop()
-    session = loop.session
+    loop = None if in_window else Loop()
+    window = open_window() if in_window else None
+    view = window.canvas.viewport if window else None
+    session = window.session if window else loop.session
+
+    def is_drawn() -> bool:
+        return view is None or (view.draw_count > 0 and not view.is_stale)
 
     def until(done, event=lambda: None) -> None:
         last = 0.0
@@ -84,8 +106,9 @@ def main(source: str, pause: float = 10.0, shapes: int = 5, stroke: float = 0.0)
         ends = time.perf_counter() + seconds
         until(lambda: time.perf_counter() >= ends)
 
+    until(is_drawn)
     session.files.open_mesh(mesh)
-    until(lambda: session.jobs.current is None and session.store.state is not None)
+    until(lambda: session.jobs.current is None and session.store.state is not None and is_drawn())
     clock.tell("opened")
     axis = int(np.argmax(np.ptp(mesh.V, axis=0)))
     along = (mesh.V[:, axis] - mesh.V[:, axis].min()) / np.ptp(mesh.V[:, axis])
@@ -97,6 +120,9 @@ def main(source: str, pause: float = 10.0, shapes: int = 5, stroke: float = 0.0)
     clock.tell("painted")
     wait(pause)
     clock.tell("waited")
+    if view is not None:
+        view.screenshot()
+        clock.tell("drawn again")
     session.gestures.begin()
     turned = 0
 
@@ -109,11 +135,17 @@ def main(source: str, pause: float = 10.0, shapes: int = 5, stroke: float = 0.0)
 
     for k in range(shapes):
         before = session.store.state.frame.U
-        until(lambda before=before: has_moved(session.store.state.frame, before), drag)
+        until(lambda before=before: has_moved(session.store.state.frame, before) and is_drawn(), drag)
         clock.tell(f"shape {k + 1}")
-    session.close()
-    loop.sleeper.communicate()
+    if window is not None:
+        window.files.may_discard_work = lambda *_, **__: True
+        window.shell.close()
+    else:
+        session.close()
+        loop.sleeper.communicate()
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], *(kind(given) for kind, given in zip((float, int, float), sys.argv[2:], strict=False)))
+    words = [word for word in sys.argv[1:] if word != "--window"]
+    numbers = (kind(given) for kind, given in zip((float, int, float), words[1:], strict=False))
+    main(words[0], *numbers, in_window="--window" in sys.argv)
