@@ -59,9 +59,11 @@ class ShapeChecks:
         mesh, U = state.document.mesh, state.frame.U
         if mesh is not self._mesh:
             self._mesh, self.rest_check = mesh, None
-        rests = self._gestures.state_before is None and self._store.activity is not Activity.REFINING
         shape = ShapeQuery(U, mesh.joined_F, handle_turns(state.document))
         found = self._known_check(shape)
+        # A stroke does not move the shape: a large mesh, checked in minutes, would never be between strokes.
+        goes_on = self._gestures.state_before is None or _is_same_query(shape, self._wanted)
+        rests = goes_on and self._store.activity is not Activity.REFINING
         wanted = shape if found is None and rests else None
         if found is not self.shape_check or not _is_same_query(wanted, self._wanted):
             self.shape_check = found

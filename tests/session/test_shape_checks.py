@@ -237,3 +237,23 @@ def test_shape_checks_look_at_every_shape_that_has_settled_and_none_that_moves(s
     session.gestures.undo()
     assert session.shape_checks.shape_check is first, "it is known already"
     assert not session.shape_checks.is_checking
+
+
+def test_shape_checks_go_on_during_a_stroke_that_moves_nothing(session, monkeypatch):
+    asked = []
+    ask = ShapeChecker.ask
+    monkeypatch.setattr(
+        ShapeChecker, "ask", lambda checker, query: asked.append(query) or ask(checker, query)
+    )
+    monkeypatch.setattr(shape_checker, "FIRST_PAUSE", 0.5)
+    mesh = Mesh(*meshes.tube(16, 24, height=4.0))
+    session.files.open_result("tube", lambda: initial_state(mesh))
+    assert session.wait_idle(LONG)
+    for label, end in ((BASE, mesh.V[:, 2] < 0.5), (HANDLE, mesh.V[:, 2] > 3.5)):
+        assert session.shape_checks.is_checking
+        session.gestures.begin()
+        session.painting.paint(np.flatnonzero(end), label)
+        assert session.shape_checks.is_checking, "nothing has moved"
+        session.painting.end_stroke("Paint")
+    assert len(known(session).crossing) == 0
+    assert len(asked) == 1, "one process has checked it"
