@@ -1,13 +1,16 @@
 """Thin progress bar, and label elided to its width."""
 
+import re
 import time
 
 from PySide6.QtCore import QEvent, QSize, Qt
-from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent
 from PySide6.QtWidgets import QApplication, QLabel, QProgressBar
 
 _SCALE = 1000
 _MARGIN = 8  # px before and after an elided text
+# What would be read as a number of its own, and how it goes on behind the cut.
+_NUMBER_AT_END, _GOES_ON = re.compile(r"\d[\d.,]*$"), re.compile(r"[.,]?\d")
 _PAUSE = 0.2  # s between two frames of the busy animation, if slowed down
 
 
@@ -37,8 +40,19 @@ class ElidedLabel(QLabel):
         room = self.rect().adjusted(_MARGIN, 0, -_MARGIN, 0)
         painter = QPainter(self)
         painter.setPen(self.palette().windowText().color())
-        text = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room.width())
-        painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
+        painter.drawText(
+            room, Qt.AlignmentFlag.AlignVCenter, elided_text(self.text(), self.fontMetrics(), room.width())
+        )
+
+
+def elided_text(text: str, metrics: QFontMetrics, width: int) -> str:
+    """Text elided on the right to a width in pixels, without part of a number."""
+    elided = metrics.elidedText(text, Qt.TextElideMode.ElideRight, width)
+    kept = elided.removesuffix("…")
+    number = _NUMBER_AT_END.search(kept)
+    if elided == text or number is None or not _GOES_ON.match(text, len(kept)):
+        return elided
+    return kept[: number.start()].rstrip() + "…"
 
 
 class ThinBar(QProgressBar):
