@@ -98,6 +98,7 @@ def test_gallery_session_to_download_opens_and_can_be_replayed_unless_it_is_pres
         assert in_place(state) < (0.1 if state.document.settings.traits.moves_handles else 1e-5)
 
 
+@pytest.mark.night
 def test_gallery_has_a_script_that_crushes_a_bottle_into_a_gltf_in_metres(compiled, tmp_path):
     path = tmp_path / "bottle.glb"
     write_bottle(path, steps=2, vertices=COUNT)

@@ -72,6 +72,7 @@ def test_local_pool_ends_a_case_that_native_code_holds(pool, run, bar, monkeypat
     assert "longer than 0.5 s" in table.rows[0].sentence
 
 
+@pytest.mark.night
 def test_local_pool_replaces_processes_and_killed_idle_ones_too(pool, planned):
     case = next(iter(planned({}).cases.values()))
     engine = pool(1, study_work.quick, recycle=2)

@@ -82,6 +82,7 @@ def test_buckle_command_draws_the_mesh_upright_with_arrows_along_the_axis(buckle
         assert (end - tip)[0] * way > 0.0, "it ends before the mesh"
 
 
+@pytest.mark.night
 def test_buckle_command_draws_letters_legible_at_half_the_size(buckle, tmp_path):
     """A digit of the load is at least 12 pixels high in a picture twice as wide as a dialog."""
     figure = tmp_path / "f.png"

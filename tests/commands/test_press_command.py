@@ -287,6 +287,7 @@ def test_press_command_says_of_a_wall_that_gave_way_how_uncertain_it_is(press, t
     assert not uncertain("--method", "exact", "--stiffness", 0.01)
 
 
+@pytest.mark.night
 def test_press_command_tells_the_band_of_several_runs(press, tmp_path):
     """Table, report and summary say the same; the mesh that is written is of the first run."""
     V, F = can(24, 1.0)
@@ -473,6 +474,7 @@ def test_press_command_keeps_the_volume_by_gas_whose_pressure_may_be_in_atmosphe
     assert volumes[2] == volumes[1]
 
 
+@pytest.mark.night
 def test_press_command_holds_a_pressure_of_its_wall(ball, press, tmp_path):
     """In the report it is that of a wall of Young's modulus times thickness 4."""
     report, volumes = tmp_path / "r.json", []

@@ -62,7 +62,14 @@ def test_serve_command_answers_as_the_manual_shows():
     assert client.process.returncode == 0
 
 
-@pytest.mark.parametrize("settings", [{}, {"method": "local"}, {"method": "wall", "wall_thickness": 0.01}])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {},
+        pytest.param({"method": "local"}, marks=pytest.mark.night),
+        {"method": "wall", "wall_thickness": 0.01},
+    ],
+)
 def test_serve_command_gives_the_bits_of_deform(ball, settings):
     mesh, base, handle = ball
     targets = targets_of(ball, [0.2, 0.0, 0.1])

@@ -203,6 +203,7 @@ def test_report_view_opens_from_a_file_and_turns(page, path):
     assert page.complaints == []
 
 
+@pytest.mark.night
 @needs_browser
 def test_report_view_goes_along_the_motion_by_keys_and_by_itself(page, path):
     page.open(path)
@@ -224,8 +225,7 @@ def test_report_view_goes_along_the_motion_by_keys_and_by_itself(page, path):
 
 
 @needs_browser
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1280), ("dark", 390)])
 def test_report_view_fits_on_pages_of_all_kinds(page, path, scheme, width):
     page.open(path, scheme, (width, 800))
     pixels = stage(page)[0]

@@ -104,6 +104,7 @@ def test_timeline_player_presses_as_the_command_does(plates):
     assert plates.gestures.history.undo_names[-2:] == ["Put plates on both sides", "Press"]
 
 
+@pytest.mark.night
 def test_timeline_player_keeps_the_crushed_shape_as_the_plates_open_again(plates):
     play(plates)
     crushed, player = plates.store.state, plates.player
@@ -221,6 +222,7 @@ def test_timeline_player_goes_back_in_the_middle_of_a_motion(plates):
     assert plates.player.shown_step == 1
 
 
+@pytest.mark.night
 def test_timeline_player_records_plates_moved_by_hand(plates):
     plates.obstacles.move(1, -0.2 * X)
     plates.until(lambda: len(plates.player.timeline.steps) == 2)

@@ -63,7 +63,7 @@ def readings(states):
     return [obstacle_pair(state.document).reading(state) for state in states]
 
 
-@pytest.mark.parametrize("most", [0.06, 0.09])
+@pytest.mark.parametrize("most", [pytest.param(0.06, marks=pytest.mark.night), 0.09])
 def test_wall_run_presses_as_the_command_does_by_the_method_wall(empty, most):
     """Of one thickness, and of one that grows along an axis.
 
@@ -107,6 +107,7 @@ def test_wall_run_shows_its_shapes_on_the_timeline_without_a_step_of_undo(presse
     assert (player.shown_step, player.shows_wall) == (0, False), "undo has gone back to before the press"
 
 
+@pytest.mark.night
 def test_wall_run_displays_its_answer_where_it_was_chosen_before_it_came(pressed):
     player, run, undo = pressed.player, pressed.wall_run, pressed.gestures.history.undo_names
     first = pressed.store.state
@@ -123,6 +124,7 @@ def test_wall_run_displays_its_answer_where_it_was_chosen_before_it_came(pressed
     assert not player.shows_wall, "of the other mesh no wall is known"
 
 
+@pytest.mark.night
 def test_wall_run_displays_its_answer_once_the_slider_is_let_go(pressed):
     player = pressed.player
     player.choose_wall_results(True)
@@ -133,6 +135,7 @@ def test_wall_run_displays_its_answer_once_the_slider_is_let_go(pressed):
     assert (pressed.store.state, player.shows_wall) == (answers(pressed)[2], True)
 
 
+@pytest.mark.night
 def test_wall_run_does_not_solve_in_the_view_what_does_not_come_to_rest(pressed):
     shown = pressed.store.state
     pressed.player.choose_wall_results(True)
@@ -247,7 +250,7 @@ class Stopping:
         pass
 
 
-@pytest.mark.parametrize("times", [2, 1000])
+@pytest.mark.parametrize("times", [2, pytest.param(1000, marks=pytest.mark.night)])
 def test_wall_run_goes_on_where_contact_stopped_it_until_it_gets_no_farther(pressed, monkeypatch, times):
     solver = Stopping(times)
     monkeypatch.setattr(wall_run, "SolverWorker", solver)

@@ -278,6 +278,7 @@ def fold_along(user):
     return once
 
 
+@pytest.mark.night
 def test_workbench_folds_a_cloth_and_paints_it_across_in_twelve_inputs(coarse_cloth, cloth):
     once, window = fold_along(cloth), cloth.window
     assert cloth.count <= 12

@@ -108,7 +108,7 @@ def test_commit_creases_knows_no_place_and_no_turn():
 
 
 @pytest.mark.parametrize("wall", WALLS.values(), ids=WALLS)
-@pytest.mark.parametrize("count", [40, 80])
+@pytest.mark.parametrize("count", [40, pytest.param(80, marks=pytest.mark.night)])
 @pytest.mark.parametrize(("angle", "yields"), [(90, 30), (150, 45)])
 def test_plastic_bending_lets_a_bent_strip_keep_all_but_the_angle_of_yield(count, angle, yields, wall):
     """Two resolutions; a strip that is bent less springs back to flat."""

@@ -129,6 +129,7 @@ def test_plastic_hinges_remember_where_they_flowed():
     assert hinges.moments(hinges.rest)[0] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.night
 def test_wall_that_hardens_keeps_less_of_a_press():
     """A ring opened again: with hardening it needs more load, and springs back further."""
     X, triangles = tube(48, 2, height=0.25, shear=0.5)
@@ -139,7 +140,7 @@ def test_wall_that_hardens_keeps_less_of_a_press():
     assert 0.05 < lost[1] < 0.9 * lost[0]
 
 
-@pytest.mark.parametrize("shear", [0.25, 0.5])
+@pytest.mark.parametrize("shear", [pytest.param(0.25, marks=pytest.mark.night), 0.5])
 def test_wall_presses_a_plastic_ring_by_the_load_of_theory(shear):
     """Four hinges form, and between them it is nearly rigid [DeRuntz & Hodge 1963]."""
     X, triangles = tube(192, 4, height=0.125, shear=shear)

@@ -28,7 +28,10 @@ def walled(thickness, V, F, young=None, radius=None):
     return wall_map(V, F, thickness, young=young, yield_radius=radius)
 
 
-@pytest.mark.parametrize("kind", ["vertices", "triangles", "modulus"])
+@pytest.mark.parametrize(
+    "kind",
+    ["modulus", *(pytest.param(kind, marks=pytest.mark.night) for kind in ("vertices", "triangles"))],
+)
 def test_wall_map_of_one_wall_gives_its_bits(kind):
     V, F = can(16)
     one = pressed(0.03)

@@ -154,7 +154,7 @@ def test_vessel_of_the_sample_agrees_with_its_sections():
     bottle = apd_viewer.open_mesh(resource_path("bottle.obj"))
     vessel = Vessel(bottle.V, bottle.F, (0, 1, 0))
     assert vessel.brimful == pytest.approx(500.0, rel=1e-6)
-    levels = np.linspace(vessel.bottom, vessel.brim, 2001)[1:-1]
+    levels = np.linspace(vessel.bottom, vessel.brim, 401)[1:-1]
     areas = [apd_viewer.plane_section(bottle.V, bottle.F, (0, y, 0), (0, 1, 0)).area for y in levels]
     by_areas = np.trapezoid(areas, levels) if hasattr(np, "trapezoid") else np.trapz(areas, levels)
-    assert vessel.volume(levels[-1]) - vessel.volume(levels[0]) == pytest.approx(by_areas, rel=1e-5)
+    assert vessel.volume(levels[-1]) - vessel.volume(levels[0]) == pytest.approx(by_areas, rel=1e-4)

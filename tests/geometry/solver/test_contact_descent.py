@@ -439,7 +439,7 @@ def test_deformation_refuses_walls_as_thick_as_the_mesh():
         Deformation(V, F, ends(V)[0], contact=True, thickness=float(np.ptp(V)))
 
 
-@pytest.mark.parametrize("percent", [20.0, 95.0])
+@pytest.mark.parametrize("percent", [pytest.param(20.0, marks=pytest.mark.night), 95.0])
 def test_contact_descent_says_an_area_out_of_reach_and_meets_one_within_reach(percent):
     V, F = box(2, 2, 6)
     base, end = ends(V)

@@ -18,7 +18,7 @@ def filled(amount, **how):
     return apd_viewer.deform(V, F, [0], V[:1], **FILM | {"filled_volume": amount, "contact": False} | how)
 
 
-@pytest.mark.parametrize("contact", [False, True])
+@pytest.mark.parametrize("contact", [False, pytest.param(True, marks=pytest.mark.night)])
 def test_deform_fills_a_flat_bag_of_film_whose_rim_wrinkles(contact):
     """The largest volume of two discs sewn together is 1.2185; coarse meshes hold less."""
     found = filled(1.2, contact=contact)

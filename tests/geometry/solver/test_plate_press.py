@@ -90,7 +90,15 @@ def bottle_press(edge, to, steps, **given):
     return PlatePress(RestMesh(V, F), X, to * np.ptp(V[:, 0]), steps, **given)
 
 
-@pytest.mark.parametrize(("gas", "area"), [(None, None), (AIR, None), (None, "100%"), (AIR, "100%")])
+@pytest.mark.parametrize(
+    ("gas", "area"),
+    [
+        (None, None),
+        pytest.param(AIR, None, marks=pytest.mark.night),
+        pytest.param(None, "100%", marks=pytest.mark.night),
+        pytest.param(AIR, "100%", marks=pytest.mark.night),
+    ],
+)
 def test_plate_press_by_wall_has_loads_that_are_the_slope_of_the_energy_at_a_point(gas, area):
     plates = bottle_press(2.5, 0.95, 1, gas=gas, area=area, convergence=Convergence(energy_tolerance=1e-11))
     share, h = 0.8, 5e-3
@@ -99,6 +107,7 @@ def test_plate_press_by_wall_has_loads_that_are_the_slope_of_the_energy_at_a_poi
     assert 0.5 * (high - low) == pytest.approx(slope(plates, share, h), rel=0.01)
 
 
+@pytest.mark.night
 def test_plate_press_with_gas_carries_what_a_held_volume_does():
     """The gas law at the volume that is left gives the pressure; a volume that is held needs the same."""
     *_, empty = bottle_press(2.5, 0.95, 2).steps()
@@ -112,7 +121,7 @@ def test_plate_press_with_gas_carries_what_a_held_volume_does():
     assert gains[1] == pytest.approx(gains[0], rel=1e-4)
 
 
-@pytest.mark.parametrize("method", ["exact", "wall"])
+@pytest.mark.parametrize("method", ["exact", pytest.param("wall", marks=pytest.mark.night)])
 def test_press_reaches_another_volume_before_the_plates_move(method):
     V, F, _ = sample_bottle(edge=2.5)
     stiff = {"stiffness": 0.001} if method == "exact" else {"wall_thickness": 0.03}

@@ -58,6 +58,7 @@ def test_press_loads_both_plates_alike_whatever_the_rounding(seed):
     check_steps(press(V, F, Z, "50%", 5, filled_volume=FILLED, **FILM))
 
 
+@pytest.mark.night
 def test_press_goes_on_after_searches_that_fail(monkeypatch):
     """A shape that has not moved as its metric was outdated is not at rest."""
     step, count = QuasiNewtonDescent.step, itertools.count(1)
@@ -79,7 +80,7 @@ def test_press_keeps_the_area_of_a_filled_pillow_exactly_where_that_is_asked(n):
     assert [step.area_error for step in found.steps] == pytest.approx([0.0] * 4, abs=1e-9)
 
 
-@pytest.mark.parametrize("method", ["exact", "local"])
+@pytest.mark.parametrize("method", ["exact", pytest.param("local", marks=pytest.mark.night)])
 @pytest.mark.parametrize("n", [12, pytest.param(40, marks=pytest.mark.night)])
 def test_press_halves_the_height_of_a_filled_pillow_of_cloth_with_its_area_exact(method, n):
     V, F = pillow(n)
@@ -90,6 +91,7 @@ def test_press_halves_the_height_of_a_filled_pillow_of_cloth_with_its_area_exact
     assert np.ptp(found.U[:, 2]) < 0.5 * np.ptp(found.steps[0].U[:, 2])
 
 
+@pytest.mark.night
 def test_press_comes_to_rest_where_a_full_pillow_has_to_stretch():
     """The gap to the plates does not vanish under its pressure."""
     V, F = pillow(8)
@@ -100,6 +102,7 @@ def test_press_comes_to_rest_where_a_full_pillow_has_to_stretch():
     assert loads[-1] > 1000.0 * loads[1]
 
 
+@pytest.mark.night
 def test_press_begins_a_filled_bag_as_a_filled_shape_given_to_it():
     """Pressed at once or from a shape that was filled before, plates touch it at the same height."""
     V, F = pillow(6)
@@ -123,6 +126,7 @@ def test_press_refuses_a_distance_that_is_no_part_of_the_extent(to):
         press(*pillow(4), Z, to, 1, **FILM)
 
 
+@pytest.mark.night
 def test_press_presses_one_filled_cushion_by_another():
     """Without friction a stack of them holds by Exact, which turns no part as a whole.
 

@@ -34,6 +34,7 @@ def test_deform_grows_a_sphere_by_the_law_of_its_membrane(pressure, poisson):
     assert mean_radius(found.U) - first == pytest.approx(grown, rel=0.01)
 
 
+@pytest.mark.night
 def test_deform_fills_a_flat_bag_of_film_to_the_mylar_balloon():
     """Two discs of radius 1 hold 1.2185; coarse meshes hold less, and film under pressure stretches."""
     amounts = []
@@ -66,6 +67,7 @@ def test_deform_ends_where_a_pressure_stretches_the_wall_without_limit():
     assert "twice its area" in " ".join(found.warnings)
 
 
+@pytest.mark.night
 def test_press_holds_the_pressure_of_a_bag_whose_load_is_that_on_the_flat_part():
     """Film rests on the plates where it is flat, and carries no load elsewhere."""
     V, F = BAG

@@ -323,6 +323,7 @@ def test_deformation_by_wall_follows_a_finger_that_does_not_wait():
     assert max(energies) < 30.0 * frame.energy
 
 
+@pytest.mark.night
 def test_touching_wall_does_not_slide_along_the_plates():
     """Nothing holds it there, and no force moves it: its mean stays where it was."""
     X, triangles, _ = sample_bottle(edge=3.0)

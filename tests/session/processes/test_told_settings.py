@@ -18,6 +18,7 @@ from apd_viewer.session.processes.request_and_reply import Reply, Request
 from apd_viewer.session.processes.request_solver import RequestSolver
 
 FREE, LOCAL, WALL = {"contact": False}, {"method": "local"}, {"method": "wall"}
+SOON = {"convergence": Convergence(40)}  # enough for a difference, where coming to rest takes long
 # For each setting others by which it matters, and a value that is not the default.
 CHANGES = {
     "method": (FREE, "arap"),
@@ -26,7 +27,7 @@ CHANGES = {
     "shear_stiffness": (FREE | LOCAL, 2.0),
     "wall_thickness": (FREE | WALL, 0.2),
     "poisson": (FREE | WALL, 0.1),
-    "tension_field": (FREE | WALL, True),
+    "tension_field": (FREE | WALL | SOON, True),
     "area": (FREE, 120.0),
     "volume": (FREE, 80.0),
     "filled_volume": (FREE, 7.0),
@@ -36,7 +37,7 @@ CHANGES = {
     "contact": (FREE, True),
     "thickness": ({"contact": True}, 0.3),
     "yield_radius": ({"contact": True, "stiffness": 0.01}, 5.0),
-    "hardening": (WALL | {"contact": True, "wall_thickness": 0.2, "yield_radius": 30.0}, 0.5),
+    "hardening": (WALL | SOON | {"contact": True, "wall_thickness": 0.2, "yield_radius": 30.0}, 0.5),
     "gas": ({"contact": True}, 0.5),
     "pressure": (FREE | WALL, 0.5),
     "convergence": (FREE, Convergence(3)),

@@ -122,6 +122,7 @@ def measured(side, change):
     return all(np.array_equal(v.values, change.area_change(v.surface.shape)) for v in side.views.values())
 
 
+@pytest.mark.night
 def test_comparison_window_draws_the_obstacles_of_the_main_view_beside_each_shape(qtbot, bar):
     session, main = bar.session, bar.obstacles.scene
     session.obstacles.add_floor(np.array([0.0, 0.0, 1.0]), None)
@@ -406,6 +407,7 @@ def tip(side, method, title):
     return table.item(row, columns.index(title)).toolTip()
 
 
+@pytest.mark.night
 def test_comparison_window_says_of_a_dragged_shape_that_it_is_as_it_stands(qtbot, bar):
     pose = BENT.copy()
     pose[0, 3] += 0.5
@@ -465,6 +467,7 @@ def test_comparison_window_stops_by_esc_and_goes_with_the_main_window(qtbot, bar
     assert not side.isVisible()
 
 
+@pytest.mark.night
 def test_comparison_window_takes_again_what_the_main_window_shows_now(qtbot, bar, side):
     before = cells(side)["Exact"]["Energy"]
     bar.session.handles.reset_handle(0)
@@ -484,6 +487,7 @@ def test_comparison_window_takes_again_what_the_main_window_shows_now(qtbot, bar
     assert cells(side)["Exact"]["Energy"] != before
 
 
+@pytest.mark.night
 def test_comparison_window_measures_lengths_in_the_unit_that_is_chosen_for_the_mesh(qtbot, bar, side):
     before, status = cells(side), side.status.text()
     bar.choose_unit(Unit.CENTIMETRE)

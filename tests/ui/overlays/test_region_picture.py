@@ -144,7 +144,13 @@ def test_region_picture_shows_the_mesh_where_it_is_transparent(qtbot, window, mo
     np.testing.assert_allclose(seen(qtbot, window, PLACES), (bare + full) / 2, atol=6)
 
 
-@pytest.mark.parametrize("finish", Finish)
+@pytest.mark.parametrize(
+    "finish",
+    [
+        Finish.CLAY,
+        *(pytest.param(each, marks=pytest.mark.night) for each in Finish if each is not Finish.CLAY),
+    ],
+)
 def test_region_picture_is_seen_in_every_finish_and_on_dark(qtbot, window, monkeypatch, tmp_path, finish):
     lay(qtbot, window, monkeypatch, image(tmp_path))
     window.actions_.display.finishes[finish].trigger()

@@ -487,6 +487,7 @@ def test_panel_cuts_off_nothing_at_the_side(qtbot, bottle, method):
     assert {BASE, HANDLE} <= set(document(bottle).labels)
 
 
+@pytest.mark.night
 def test_panel_keeps_its_width_when_readings_get_longer(qtbot, sample):
     window, panel = sample, sample.panel
     window.shell.resize(1280, 720)

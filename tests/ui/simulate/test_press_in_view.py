@@ -421,6 +421,7 @@ def answers(window):
     return [step.wall_result for step in steps(window)]
 
 
+@pytest.mark.night
 def test_press_in_view_lets_the_wall_follow_in_the_same_curves(qtbot, walled):
     panel, charts, shown = walled.press.panel, walled.press.charts, walled.session.store.state
     assert walled.session.wall_run.is_running
@@ -481,6 +482,7 @@ def test_press_in_view_shows_the_shapes_of_the_wall_and_presses_on_from_the_firs
     assert [step.state.document.settings.method for step in steps(walled)] == ["exact"] * len(steps(walled))
 
 
+@pytest.mark.night
 def test_press_in_view_ends_the_wall_where_it_becomes_another_one(qtbot, walled):
     panel = walled.press.panel
     walled.panel.measures.show_wall(WallText("0.5mm", material=WALL_MATERIALS[0]))
@@ -497,6 +499,7 @@ def test_press_in_view_ends_the_wall_where_it_becomes_another_one(qtbot, walled)
     assert panel.warning.text() == "The wall is not solved here: this is Exact."
 
 
+@pytest.mark.night
 def test_press_in_view_keeps_the_choice_of_the_wall_until_it_is_solved(qtbot, walled):
     panel, first = walled.press.panel, walled.session.store.state
     panel.shape_choice.setCurrentIndex(1)
@@ -511,6 +514,7 @@ def test_press_in_view_keeps_the_choice_of_the_wall_until_it_is_solved(qtbot, wa
     check_readings_are_of_the_screen(walled)
 
 
+@pytest.mark.night
 def test_press_in_view_lets_the_wall_be_stopped_after_its_plates_are_undone(qtbot, walled):
     panel, undo = walled.press.panel, walled.session.gestures.undo
     undo()
@@ -546,7 +550,7 @@ def test_status_bar_tells_and_stops_the_run_of_the_wall_while_the_timeline_is_cl
     assert not any(one.isVisible() for one in shown)
 
 
-@pytest.mark.parametrize("shows_wall", [True, False])
+@pytest.mark.parametrize("shows_wall", [True, pytest.param(False, marks=pytest.mark.night)])
 def test_press_in_view_opens_a_session_on_the_shape_that_was_saved(qtbot, walled, tmp_path, shows_wall):
     panel, session = walled.press.panel, walled.session
     solved(qtbot, walled)
@@ -572,6 +576,7 @@ def test_press_in_view_opens_a_session_on_the_shape_that_was_saved(qtbot, walled
         assert not session.wall_run.is_running, "nothing is solved again"
 
 
+@pytest.mark.night
 def test_press_in_view_asks_about_what_the_wall_solved_since_the_last_save(
     qtbot, walled, tmp_path, monkeypatch
 ):
@@ -637,6 +642,7 @@ def test_press_in_view_exports_the_shape_on_screen(qtbot, walled, tmp_path):
         assert np.abs(step.wall_result.frame.U - step.state.frame.U).max() > 1e-3, "they are two shapes"
 
 
+@pytest.mark.night
 def test_press_in_view_exports_the_wall_in_columns_of_its_own(qtbot, walled, tmp_path, monkeypatch):
     qtbot.waitUntil(lambda: walled.session.wall_run.done == 1, timeout=WAIT)
     walled.session.wall_run.stop()

@@ -257,6 +257,7 @@ def test_results_view_opens_the_current_case_by_enter_of_either_kind(qtbot, bar,
     assert opened == [3, 3]
 
 
+@pytest.mark.night
 def test_case_study_controller_asks_about_work_that_is_not_in_the_study_before_opening_a_case(
     qtbot, bar, dialog, home, monkeypatch
 ):
