@@ -164,7 +164,7 @@ class SolveMesh:
     def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``start, neighbour, weight`` of the edges, for the kernels."""
         # Unsigned, so that numba need not check every index for wraparound.
-        return self.W.indptr.astype(np.uint32), self.W.indices.astype(np.uint32), self.W.data
+        return self.W.indptr.view(np.uint32), self.W.indices.view(np.uint32), self.W.data
 
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) at ``U`` (n, 3) with the optimal rotations."""
