@@ -16,6 +16,7 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.legend import scale_image
 from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
 from apd_viewer.ui.plots.plots import write_drawing
+from apd_viewer.ui.widgets.elided_label import elided_text
 from apd_viewer.ui.widgets.theme import LIGHT
 
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
@@ -172,7 +173,7 @@ def _draw_shape(painter: QPainter, room: QRectF, shape: ComparisonShape) -> None
     below = lines.adjusted(0, painter.fontMetrics().height() + 2, 0, 0)
     painter.restore()
     painter.setPen(QColor(LIGHT.quiet))
-    line = painter.fontMetrics().elidedText(shape.caption, Qt.TextElideMode.ElideRight, int(below.width()))
+    line = elided_text(shape.caption, painter.fontMetrics(), below.width())
     painter.drawText(below, Qt.AlignmentFlag.AlignTop, line)
 
 

@@ -13,6 +13,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QLinearGradient, QPainter, QPen, QPixmap, QPolygonF
 
 from apd_viewer.presentation.axis import Axis
+from apd_viewer.ui.widgets.elided_label import elided_text
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 # Sizes in pixels, unless noted.
@@ -66,13 +67,13 @@ def _draw_words(painter: QPainter, room: QRectF, chart: Chart, theme: Theme, row
     painter.save()
     painter.setFont(bold)
     painter.setPen(QColor(theme.quiet))
-    title = QFontMetricsF(bold).elidedText(chart.title, Qt.TextElideMode.ElideRight, room.width())
+    title = elided_text(chart.title, QFontMetricsF(bold), room.width())
     painter.drawText(QPointF(room.left(), room.top() + 0.75 * row), title)
     painter.restore()
     metrics, x = QFontMetricsF(painter.font()), room.left()
     baseline = room.top() + (1.75 if chart.title else 0.75) * row
     for text, color in chart.readings:
-        shown = metrics.elidedText(text, Qt.TextElideMode.ElideRight, max(0.0, room.right() - x))
+        shown = elided_text(text, metrics, max(0.0, room.right() - x))
         painter.setPen(theme_color(theme, color))
         painter.drawText(QPointF(x, baseline), shown)
         x += metrics.horizontalAdvance(text) + 2 * _GAP

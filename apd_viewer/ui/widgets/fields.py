@@ -14,6 +14,7 @@ from apd_viewer.language import tr
 from apd_viewer.notation import editable_number, localized_number, notation
 from apd_viewer.presentation.number_format import format_short
 from apd_viewer.session.quantities.expressions import check_unambiguous, unambiguous_text
+from apd_viewer.ui.widgets.elided_label import elided_text
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 _UNBOUNDED = 1e9  # limits from here on only guard the arithmetic; not shown to users
@@ -49,9 +50,7 @@ class ComboBox(QtWidgets.QComboBox):
         _draw_field(painter, self)
         painter.setPen(ink)
         words = room.adjusted(8, 0, -28, 0)
-        text = self.fontMetrics().elidedText(
-            self.currentText(), Qt.TextElideMode.ElideRight, int(words.width())
-        )
+        text = elided_text(self.currentText(), self.fontMetrics(), words.width())
         painter.drawText(words, Qt.AlignmentFlag.AlignVCenter, text)
         painter.setPen(QtGui.QPen(ink, 1.5, c=Qt.PenCapStyle.RoundCap, j=Qt.PenJoinStyle.RoundJoin))
         tip = room.center() + QPointF(room.width() / 2 - 14, 2)
