@@ -50,7 +50,9 @@ def result_summary(mesh: Mesh, result: Result, output: Path, written: WrittenMes
     if not result.converged:
         state = tr("{output}: {method}, not converged after {effort}")
     lines = [state.format(output=output, method=result.method, effort=effort), *result_lines(result)]
-    lines += [found.sentence for found in crossing_findings(mesh, crossings(result.U, mesh.joined_F))]
+    crossing = crossings(result.U, mesh.joined_F)
+    lines += [found.sentence for found in crossing_findings(mesh, crossing)]
+    lines += [tr("self-intersections: not checked")] if crossing is None else []
     lines += [f"{in_quotes(part.name)}  {_reading(part.area, part.area_rest)}" for part in result.regions]
     lines.append(tr("largest local area change {change:.3g} %").format(change=100 * result.local_change))
     strains = 100 * result.largest_edge_strain, 100 * result.mean_edge_strain

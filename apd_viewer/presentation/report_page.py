@@ -201,7 +201,7 @@ def _volume(subject: ReportSubject) -> Iterator[tuple[str, str, str]]:
 
 def _crossing_count(found: ShapeCheck) -> str:
     if found.crossing is None:
-        return tr("not checked: ipctk is missing")
+        return tr("not checked")
     n = len(found.crossing)
     return trn("{n:,} triangle", "{n:,} triangles", n).format(n=n) if n else tr("none")
 

@@ -12,8 +12,8 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.ui.tools.tool_modes import SelectionMode, Tool
 from apd_viewer.ui.widgets.box_layouts import STRETCH, resize_on_screen, row_layout
-from apd_viewer.ui.widgets.elided_label import ElidedLabel
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel
 
 
 @pytest.fixture

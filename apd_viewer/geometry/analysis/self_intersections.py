@@ -7,14 +7,15 @@ it matters where, and not only that they do, and triangles that overlap in one p
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from itertools import pairwise
 from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import frozen, used_vertices
+from apd_viewer.language import tr
 
 # Distances below this fraction of the mesh size count as contact; relative rounding error of a determinant.
 _TOUCH = 1e-12
@@ -23,6 +24,11 @@ _ROUNDING = 1e-14
 _PORTION = 200_000
 # Triangles searched at once: edges and tree of so many take 0.7 GB.
 MOST_AT_ONCE = 1_000_000
+# Pairs of triangles with a common point of their boxes that are searched at once: some of a GB and 30 s. In
+# a heap slabs of space do not part them, and more than so many times as many would take all memory.
+MOST_PAIRS_AT_ONCE, _HEAP = 10_000_000, 5
+_NEIGHBOURS = 20  # whose boxes meet that of a triangle in any surface
+_SAMPLE, _MOST_SLABS = 200, 100
 
 
 class _Edges(NamedTuple):
@@ -62,16 +68,21 @@ def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     Returns
     -------
     (k,) int array or None
-        Ascending. None where the library is missing, which is not made for every machine.
+        Ascending. None where they are not known: in a heap, or where the library is missing, which is not
+        made for every machine.
     """
-    pairs = crossing_pairs(U, F)
+    try:
+        pairs = crossing_pairs(U, F)
+    except InputError:
+        return None
     return None if pairs is None else frozen(np.unique(pairs))
 
 
 def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     """Pairs of triangles piercing or overlapping each other, (p, 2) int array.
 
-    Some pairs occur twice, in either order. See :func:`crossings`.
+    Some pairs occur twice, in either order. See :func:`crossings`. Raises InputError for a heap: thousands of
+    triangles in one place, of which nearly each passes through all others.
     """
     try:
         import ipctk  # Imported here: few runs of the program need it.
@@ -85,18 +96,44 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     return np.concatenate([proper[slab[_pairs_within(ipctk, X, F[slab])]] for slab in _slabs(X, F)])
 
 
-def _slabs(X: np.ndarray, F: np.ndarray) -> Iterator[np.ndarray]:
+def _near_pairs(X: np.ndarray, F: np.ndarray) -> float:
+    """Estimate of the pairs of triangles ``F`` (m, 3) in each other's way."""
+    corners = X[F]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    axis = int(np.argmax(np.ptp(X, axis=0)))
+    order = np.argsort(low[:, axis])
+    first, widest = low[order, axis], float((high - low)[:, axis].max())
+    sample = np.random.default_rng(0).choice(len(F), min(len(F), _SAMPLE), replace=False)
+    begin = np.searchsorted(first, low[sample, axis] - widest)
+    end = np.searchsorted(first, high[sample, axis], side="right")
+    meet = 0  # boxes
+    for i, some in zip(sample, map(slice, begin, end), strict=True):
+        others = order[some]
+        meet += int(((low[others] <= high[i]) & (high[others] >= low[i])).all(axis=1).sum())
+    return 0.5 * len(F) * max(meet / len(sample) - _NEIGHBOURS, 0.0)
+
+
+def _slabs(X: np.ndarray, F: np.ndarray) -> list[np.ndarray]:
     """Triangles (k,) that reach into each slab of space across the longest axis.
 
-    Two triangles that meet both reach into the slab where they do.
+    Two triangles that meet both reach into the slab where they do. Raises InputError for a heap.
     """
-    count = math.ceil(len(F) / MOST_AT_ONCE)
+    share = max(len(F) / MOST_AT_ONCE, _near_pairs(X, F) / MOST_PAIRS_AT_ONCE)
+    count = min(math.ceil(share), _MOST_SLABS)
     along = X[:, np.argmax(np.ptp(X, axis=0))]
     a, b, c = (along[corner] for corner in F.T)
     low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
     cuts = np.quantile(low, np.arange(1, count) / count, method="lower")  # so that no slab is empty
-    for begin, end in pairwise([-np.inf, *cuts, np.inf]):
-        yield np.flatnonzero((high >= begin) & (low <= end))
+    ends = pairwise([-np.inf, *cuts, np.inf])
+    slabs = [np.flatnonzero((high >= begin) & (low <= end)) for begin, end in ends]
+    largest = max(slabs, key=len)
+    if count > 1 and _near_pairs(X, F[largest]) > _HEAP * MOST_PAIRS_AT_ONCE:
+        said = tr(
+            "{n:,} triangles lie in a heap, each through nearly all others, which is too much to search; "
+            "remove parts that repeat or are scrambled, or turn contact off."
+        )
+        raise InputError(said.format(n=len(largest)))
+    return slabs
 
 
 def _pairs_within(ipctk: ModuleType, X: np.ndarray, F: np.ndarray) -> np.ndarray:
@@ -108,7 +145,9 @@ def _pairs_within(ipctk: ModuleType, X: np.ndarray, F: np.ndarray) -> np.ndarray
     edges, tree = _Edges.from_triangles(F, len(X)), ipctk.LBVH()
     tree.build(np.asfortranarray(X), edges.ends.astype(np.int32), np.asfortranarray(F, dtype=np.int32))
     near = tree.detect_edge_face_candidates()  # excludes pairs with a common vertex
-    pairs = np.array([(pair.edge_id, pair.face_id) for pair in near], dtype=np.int64).reshape(-1, 2)
+    numbers = (number for pair in near for number in (pair.edge_id, pair.face_id))
+    pairs = np.fromiter(numbers, np.int64, 2 * len(near)).reshape(-1, 2)
+    del near
     found = [np.zeros((0, 2), dtype=np.int64)]
     for first in range(0, len(pairs), _PORTION):
         edge, face = pairs[first : first + _PORTION].T

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,8 @@ from apd_viewer.geometry.mesh.arrays import mesh_size
 from apd_viewer.geometry.mesh.edges_and_components import boundary_edges, opposite_half_edges
 from apd_viewer.geometry.mesh.weld import MOST_EDGE_SHARE, SEAM_TOLERANCE, Weld, shortest_edge_lengths
 from apd_viewer.language import trn
+
+PAIRS_AT_ONCE = 1_000_000  # of boundary vertices and edges near each other, 100 bytes each
 
 
 class Seams(NamedTuple):
@@ -90,13 +93,15 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
     border = np.unique(edges)
     near = SEAM_TOLERANCE * mesh_size(V, corners)
     room = np.minimum(near, MOST_EDGE_SHARE * shortest_edge_lengths(V, edges)[border])
-    point, edge = _nearby_pairs(V, border, edges, near)
-    a, along = V[edges[edge, 0]], V[edges[edge, 1]] - V[edges[edge, 0]]
-    length = np.linalg.norm(along, axis=1)
-    at = np.einsum("ij,ij->i", V[border[point]] - a, along) / length
-    away = np.linalg.norm(V[border[point]] - a - (at / length)[:, None] * along, axis=1)
-    inside = (away <= room[point]) & (at > room[point]) & (at < length - room[point])
-    point, edge = point[inside], edge[inside]
+    pairs = [np.empty((0, 2), dtype=np.int64)]  # so that arrays can be joined even without edges
+    for point, edge in _nearby_pairs(V, border, edges, near):
+        a, along = V[edges[edge, 0]], V[edges[edge, 1]] - V[edges[edge, 0]]
+        length = np.linalg.norm(along, axis=1)
+        at = np.einsum("ij,ij->i", V[border[point]] - a, along) / length
+        away = np.linalg.norm(V[border[point]] - a - (at / length)[:, None] * along, axis=1)
+        inside = (away <= room[point]) & (at > room[point]) & (at < length - room[point])
+        pairs.append(np.column_stack([point[inside], edge[inside]]))
+    point, edge = np.concatenate(pairs).T
     triples = np.sort(np.column_stack([border[point], edges[edge]]), axis=1)
     # A vertex and an edge may belong to one sliver triangle of the mesh, which is no T-junction.
     own = set(map(tuple, np.sort(corners[np.isin(corners, border[point]).any(axis=1)], axis=1).tolist()))
@@ -106,19 +111,19 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
 
 def _nearby_pairs(
     V: np.ndarray, border: np.ndarray, edges: np.ndarray, near: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs (p,), (p,) of ``border`` vertices and ``edges`` possibly within ``near``."""
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Portions of pairs (p,), (p,) of ``border`` vertices and ``edges`` nearby."""
     from scipy.spatial import KDTree  # imported here: slow, and most meshes have no boundary
 
     ends, points = V[edges], KDTree(V[border])
     half = 0.5 * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     # Edges are queried by size: the search radius of long ones would find too many vertices near short ones.
     size = np.frexp(half)[1]
-    pairs = [np.empty((0, 2), dtype=np.int64)]  # so that arrays can be joined even without edges
     for each in np.unique(size):
         some = np.flatnonzero(size == each)
-        middles = KDTree(ends[some].mean(axis=1))
-        found = points.sparse_distance_matrix(middles, half[some].max() + near, output_type="ndarray")
-        pairs.append(np.column_stack([found["i"], some[found["j"]]]))
-    point, edge = np.concatenate(pairs).T
-    return point, edge
+        middles, reach = ends[some].mean(axis=1), half[some].max() + near
+        # Loose parts in one place are all near each other: their pairs do not fit into memory at once.
+        portion = np.cumsum(points.query_ball_point(middles, reach, return_length=True)) // PAIRS_AT_ONCE
+        for part in np.split(np.arange(len(some)), np.flatnonzero(np.diff(portion)) + 1):
+            found = points.sparse_distance_matrix(KDTree(middles[part]), reach, output_type="ndarray")
+            yield found["i"], some[part[found["j"]]]

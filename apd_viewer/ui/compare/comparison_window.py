@@ -37,10 +37,10 @@ from apd_viewer.ui.widgets.background_task import BackgroundTask
 from apd_viewer.ui.widgets.box_layouts import column_layout, resize_on_screen, row_layout
 from apd_viewer.ui.widgets.convergence_progress import ConvergenceProgress
 from apd_viewer.ui.widgets.display_names import window_title_text
-from apd_viewer.ui.widgets.elided_label import ElidedLabel
 from apd_viewer.ui.widgets.fields import CheckBox
 from apd_viewer.ui.widgets.help_button import HelpButton
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, application_icon, set_style_property
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel
 
 _FEWEST = 2
 _SIZE = QSize(1280, 800)

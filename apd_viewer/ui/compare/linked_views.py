@@ -28,9 +28,9 @@ from apd_viewer.ui.scene.navigation import MouseTool
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
-from apd_viewer.ui.widgets.elided_label import ElidedLabel
 from apd_viewer.ui.widgets.fields import NumberField
 from apd_viewer.ui.widgets.theme import Theme
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel
 
 _READ = 250  # ms between two updates of the values while shapes move
 

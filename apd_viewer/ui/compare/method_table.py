@@ -16,8 +16,8 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.legend import scale_image
 from apd_viewer.ui.plots.chart_drawing import with_tabular_figures
 from apd_viewer.ui.plots.plots import write_drawing
-from apd_viewer.ui.widgets.elided_label import elided_text
 from apd_viewer.ui.widgets.theme import LIGHT
+from apd_viewer.ui.widgets.thin_bar import elided_text
 
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter

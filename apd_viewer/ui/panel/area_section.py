@@ -397,7 +397,9 @@ class CrossingsButton(QToolButton):
         With ``kept_apart`` contact is on.
         """
         if triangles is None:
-            tip = tr("The library ipctk, which checks this, is missing or does not respond")
+            tip = tr(
+                "The library ipctk, which checks this, is missing or does not respond, or the mesh is a heap"
+            )
             self._show_text(tr("self-intersections: not checked"), tip)
         elif triangles == 0:
             self._show_text(

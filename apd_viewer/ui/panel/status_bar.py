@@ -14,8 +14,7 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.brush_tool import BrushSize
 from apd_viewer.ui.widgets.box_layouts import row_layout
 from apd_viewer.ui.widgets.convergence_progress import PROGRESS_WIDTH, ConvergenceProgress
-from apd_viewer.ui.widgets.elided_label import ElidedLabel
-from apd_viewer.ui.widgets.thin_bar import ThinBar
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel, ThinBar
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State

@@ -13,8 +13,8 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QLinearGradient, QPainter, QPen, QPixmap, QPolygonF
 
 from apd_viewer.presentation.axis import Axis
-from apd_viewer.ui.widgets.elided_label import elided_text
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.thin_bar import elided_text
 
 # Sizes in pixels, unless noted.
 _PAD = 8.0

@@ -14,11 +14,11 @@ from apd_viewer.presentation.plate_readings import ReadingText
 from apd_viewer.ui.plots.chart_drawing import Chart
 from apd_viewer.ui.plots.plots import ChartTexts, ChartView
 from apd_viewer.ui.widgets.box_layouts import STRETCH, column_layout, row_layout
-from apd_viewer.ui.widgets.elided_label import ElidedLabel
 from apd_viewer.ui.widgets.fields import ComboBox, ErrorBubble, NumberField, TextField, small_button
 from apd_viewer.ui.widgets.folding_section import quiet_label
 from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
 from apd_viewer.ui.widgets.theme import Theme, icon
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel
 
 _AT_FIRST, _STEPS, _MOST_STEPS = "40 %", 16, 1000
 _SIZE, _SMALLEST = QSize(760, 216), QSize(420, 190)

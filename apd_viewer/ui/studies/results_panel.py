@@ -18,10 +18,9 @@ from apd_viewer.ui.studies.result_columns import ResultsSnapshot
 from apd_viewer.ui.studies.result_table import ResultModel, ResultsView
 from apd_viewer.ui.studies.study_run import may_continue
 from apd_viewer.ui.widgets.box_layouts import column_layout, row_layout
-from apd_viewer.ui.widgets.elided_label import ElidedLabel
 from apd_viewer.ui.widgets.pane_splitter import Pane, PaneSplitter
 from apd_viewer.ui.widgets.theme import Theme
-from apd_viewer.ui.widgets.thin_bar import ThinBar
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel, ThinBar
 
 _SMALLEST, _NARROWEST = QSize(320, 160), 72  # px: minimum size of the panel; minimum width of the study name
 # Preferred width, and height as a clipped fraction of the window; the mesh needs most of the space.

@@ -14,7 +14,7 @@ from apd_viewer.language import tr
 from apd_viewer.notation import editable_number, localized_number, notation
 from apd_viewer.presentation.number_format import format_short
 from apd_viewer.session.quantities.expressions import check_unambiguous, unambiguous_text
-from apd_viewer.ui.widgets.elided_label import elided_text
+from apd_viewer.ui.widgets.thin_bar import elided_text
 from apd_viewer.ui.widgets.wheel import ignore_wheel
 
 _UNBOUNDED = 1e9  # limits from here on only guard the arithmetic; not shown to users

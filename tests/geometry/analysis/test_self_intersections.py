@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis import self_intersections
-from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.analysis.self_intersections import crossing_pairs, crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 
@@ -204,6 +205,28 @@ def test_crossings_leave_out_faces_without_area_and_vertices_without_a_face():
     F = np.vstack([F, [[0, 0, 1], [2, 2, 2]], F[:1]])
     assert crossings(V, F).tolist() == []
     assert crossings(V, F[-3:-1]).tolist() == []
+
+
+def heaps(count, size):
+    """So many triangles in each of some places, in a row."""
+    rng = np.random.default_rng(3)
+    corners = rng.random((count, size, 3, 3)) + 5.0 * np.arange(count)[:, None, None, None] * np.eye(3)[0]
+    return corners.reshape(-1, 3), np.arange(3 * count * size).reshape(-1, 3)
+
+
+def test_crossings_of_dense_places_are_searched_in_slabs(monkeypatch):
+    U, F = heaps(5, 60)
+    whole = crossings(U, F)
+    assert len(whole) > 250
+    monkeypatch.setattr(self_intersections, "MOST_PAIRS_AT_ONCE", 1500)
+    assert np.array_equal(crossings(U, F), whole)
+
+
+def test_crossings_are_not_known_in_a_heap_that_no_memory_holds():
+    U, F = heaps(1, 20_000)
+    assert crossings(U, F) is None
+    with pytest.raises(InputError, match="triangles lie in a heap"):
+        crossing_pairs(U, F)
 
 
 def test_crossings_are_not_known_without_the_library(monkeypatch):

@@ -8,6 +8,7 @@ from seams import half, halves, twisted
 import apd_viewer
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.shape_check import SEAMS
+from apd_viewer.geometry.mesh import seams as seams_module
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.edges_and_components import opposite_half_edges
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -110,6 +111,13 @@ def test_seams_tell_of_vertices_inside_other_boundary_edges():
     assert len(found.joints) == 2 * (8 + 4)
     assert "T-junctions" in kinds(Mesh(V, F))
     assert "T-junctions" not in kinds(Mesh(*halves(0.0)))
+
+
+def test_seams_are_the_same_when_few_pairs_are_looked_at_at_once(monkeypatch):
+    V, F = halves(0.0, along=(12, 8))
+    whole = seams(V, F).joints
+    monkeypatch.setattr(seams_module, "PAIRS_AT_ONCE", 3)
+    assert np.array_equal(seams(V, F).joints, whole)
 
 
 def test_seams_of_which_a_part_lies_on_another_are_found_there():

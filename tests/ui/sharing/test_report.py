@@ -283,7 +283,7 @@ def test_report_controller_measures_what_is_missing_soon_after_an_edit(qtbot, tw
     hull = convex_hull(state.frame.U)
     named = {name.split("\n")[0]: said for name, said in rows["Volume reduction"].items()}
     assert named["Convex hull volume"].split("\n")[1] == f"{format_significant(hull.volume, 4)}\u00a0cm³"
-    assert rows["Volume"]["Self-intersections"] in ("none", "not checked: ipctk is missing")
+    assert rows["Volume"]["Self-intersections"] in ("none", "not checked")
     assert "cm" in rows["Size and mass"]["Bounding box"]
     assert "cm" in rows["Measurements"]["Geodesic 1"]
     text = (tmp_path / "report.html").read_text(encoding="utf-8")

@@ -1,10 +1,12 @@
 """A bar of progress: what it shows, and how often the window is composed for it."""
 
+import re
+
 import pytest
 from PySide6.QtCore import QEvent, QObject
 from PySide6.QtWidgets import QApplication, QMainWindow
 
-from apd_viewer.ui.widgets.thin_bar import ThinBar
+from apd_viewer.ui.widgets.thin_bar import ElidedLabel, ThinBar, elided_text
 
 
 class Paints(QObject):
@@ -60,3 +62,17 @@ def test_thin_bar_moves_seldom_where_no_cursor_blinks(qtbot, bar):
     bar.show_fraction(None)
     qtbot.wait(500)
     assert 1 <= paints.count <= 4
+
+
+@pytest.mark.parametrize("text", ["iteration 1,305, 281.7 ms per iteration", "at 3 of 14"])
+def test_elided_text_shows_no_part_of_a_number_as_a_number(qtbot, text):
+    label = ElidedLabel()
+    qtbot.addWidget(label)
+    label.setText(text)
+    drawn = [elided_text(text, label.fontMetrics(), width) for width in range(label.room_for(text))]
+    assert drawn[-1] == text
+    numbers = set(re.findall(r"\d[\d.,]*\d|\d", text))
+    for each in drawn:
+        assert each == text or each.endswith("…") or not each
+        assert set(re.findall(r"\d[\d.,]*\d|\d", each)) <= numbers, each
+    assert len(set(drawn)) > 2, "what is no number is cut as before"
