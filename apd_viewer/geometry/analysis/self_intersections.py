@@ -24,9 +24,9 @@ _ROUNDING = 1e-14
 _PORTION = 200_000
 # Triangles searched at once: edges and tree of so many take 0.7 GB.
 MOST_AT_ONCE = 1_000_000
-# Pairs of triangles with a common point of their boxes that are searched at once: some of a GB and 30 s. In
-# a heap slabs of space do not part them, and more than so many times as many would take all memory.
-MOST_PAIRS_AT_ONCE, _HEAP = 10_000_000, 5
+# Pairs of triangles with a common point of their boxes that are searched at once: 2.4 GB and 14 s. In a heap
+# slabs of space do not part them, and all at once would take all memory.
+MOST_PAIRS_AT_ONCE = 5_000_000
 _NEIGHBOURS = 20  # whose boxes meet that of a triangle in any surface
 _SAMPLE, _MOST_SLABS = 200, 100
 
@@ -118,7 +118,8 @@ def _slabs(X: np.ndarray, F: np.ndarray) -> list[np.ndarray]:
 
     Two triangles that meet both reach into the slab where they do. Raises InputError for a heap.
     """
-    share = max(len(F) / MOST_AT_ONCE, _near_pairs(X, F) / MOST_PAIRS_AT_ONCE)
+    # Twice as many slabs as pairs ask for, since triangles at a cut are in both.
+    share = max(len(F) / MOST_AT_ONCE, 2.0 * _near_pairs(X, F) / MOST_PAIRS_AT_ONCE)
     count = min(math.ceil(share), _MOST_SLABS)
     along = X[:, np.argmax(np.ptp(X, axis=0))]
     a, b, c = (along[corner] for corner in F.T)
@@ -127,7 +128,7 @@ def _slabs(X: np.ndarray, F: np.ndarray) -> list[np.ndarray]:
     ends = pairwise([-np.inf, *cuts, np.inf])
     slabs = [np.flatnonzero((high >= begin) & (low <= end)) for begin, end in ends]
     largest = max(slabs, key=len)
-    if count > 1 and _near_pairs(X, F[largest]) > _HEAP * MOST_PAIRS_AT_ONCE:
+    if count > 1 and _near_pairs(X, F[largest]) > MOST_PAIRS_AT_ONCE:
         said = tr(
             "{n:,} triangles lie in a heap, each through nearly all others, which is too much to search; "
             "remove parts that repeat or are scrambled, or turn contact off."

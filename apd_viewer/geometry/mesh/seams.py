@@ -13,6 +13,7 @@ from apd_viewer.geometry.mesh.weld import MOST_EDGE_SHARE, SEAM_TOLERANCE, Weld,
 from apd_viewer.language import trn
 
 PAIRS_AT_ONCE = 1_000_000  # of boundary vertices and edges near each other, 100 bytes each
+_MOST_PIECES = 32  # of an edge
 
 
 class Seams(NamedTuple):
@@ -121,9 +122,14 @@ def _nearby_pairs(
     size = np.frexp(half)[1]
     for each in np.unique(size):
         some = np.flatnonzero(size == each)
-        middles, reach = ends[some].mean(axis=1), half[some].max() + near
-        # Loose parts in one place are all near each other: their pairs do not fit into memory at once.
+        longest = half[some].max()
+        count = points.count_neighbors(KDTree(ends[some].mean(axis=1)), longest + near)
+        # Loose parts in one place are all near each other, but few are near a short piece of an edge.
+        pieces = int(np.clip(np.sqrt(count / PAIRS_AT_ONCE), 1.0, _MOST_PIECES))
+        share = ((np.arange(pieces) + 0.5) / pieces)[:, None]
+        middles = ((1.0 - share) * ends[some, None, 0] + share * ends[some, None, 1]).reshape(-1, 3)
+        owner, reach = np.repeat(some, pieces), longest / pieces + near
         portion = np.cumsum(points.query_ball_point(middles, reach, return_length=True)) // PAIRS_AT_ONCE
-        for part in np.split(np.arange(len(some)), np.flatnonzero(np.diff(portion)) + 1):
+        for part in np.split(np.arange(len(owner)), np.flatnonzero(np.diff(portion)) + 1):
             found = points.sparse_distance_matrix(KDTree(middles[part]), reach, output_type="ndarray")
-            yield found["i"], some[part[found["j"]]]
+            yield found["i"], owner[part[found["j"]]]
