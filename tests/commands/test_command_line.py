@@ -15,7 +15,7 @@ from meshes import box, ends, grid, rotation, sphere, tube
 
 import apd_viewer
 from apd_viewer.__main__ import main, parse_arguments
-from apd_viewer.commands import deform_command
+from apd_viewer.commands import deform_command, result_output
 from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import open_mesh
@@ -337,6 +337,12 @@ def test_deform_says_what_is_out_of_reach_and_writes_the_shape(bar, deformed):
     assert report["warnings"][-1] in out
     assert "not converged" in out
     assert np.isfinite(mesh.V).all()
+
+
+def test_deform_says_that_intersections_are_not_known(bar, deformed, monkeypatch):
+    monkeypatch.setattr(result_output, "crossings", lambda *_: None)
+    *_, out = deformed(bar, "--iterations", 1)
+    assert "self-intersections: not checked" in out
 
 
 def test_deform_says_that_a_shape_has_not_converged(bar, deformed):
