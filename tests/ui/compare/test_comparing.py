@@ -467,6 +467,18 @@ def test_comparison_window_stops_by_esc_and_goes_with_the_main_window(qtbot, bar
     assert not side.isVisible()
 
 
+def test_shared_scale_fits_all_shapes_when_the_comparison_is_stopped(qtbot, bar, monkeypatch):
+    endless(monkeypatch)
+    side = opened(qtbot, bar)
+    qtbot.waitUntil(lambda: side.legend.span is not None, timeout=SETTLED)
+    side.linked.span_measured.disconnect()  # as if everything had been read before
+    assert side.legend.scale.reach == 0.1, "which is not fitted meanwhile"
+    side.legend.span = (-0.5, 0.7)
+    qtbot.keyClick(side.views["arap"].viewport, Qt.Key.Key_Escape)
+    assert side.legend.scale.reach >= 0.7
+    side.close()
+
+
 @pytest.mark.night
 def test_comparison_window_takes_again_what_the_main_window_shows_now(qtbot, bar, side):
     before = cells(side)["Exact"]["Energy"]
