@@ -244,7 +244,8 @@ class ComparisonWindow(QWidget):
         )
         self.save_table.setEnabled(there)
         self._say(comparison.news if under_way is None else _progress(comparison, self.chosen_methods))
-        self._fit_at_end()
+        # A method may end after its changes were read, or without a new shape.
+        self._show_span(self.legend.span)
 
     def _say(self, sentence: str, warn: bool = False) -> None:
         self.status.setText(sentence)
@@ -256,15 +257,8 @@ class ComparisonWindow(QWidget):
         self._say(sentence, warn=True)
 
     def _show_span(self, span: tuple[float, float] | None) -> None:
-        """Show the changes of all shapes."""
+        """Show the changes of all shapes; fit the scale to them at the end."""
         self.legend.show_span(span)
-        self._fit_at_end()
-
-    def _fit_at_end(self) -> None:
-        """Fit the scale to the changes of all shapes once none is solved, unless it was chosen.
-
-        The last method may end after its changes were read, or without a new shape.
-        """
         is_ended = self.comparison is not None and self.comparison.current_method is None
         if is_ended and not self.legend.is_chosen:
             self.legend.fit_to_span()
