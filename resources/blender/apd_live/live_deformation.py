@@ -7,6 +7,8 @@ import numpy as np
 from . import object_arrays
 from .solver_process import SolverError, opening_arrays
 
+_SHOWN = {"value": 1.0, "mute": False}  # switches of a shape key that is in sight
+
 
 class LiveDeformation:
     """Deformation of one object, from its opening until it is kept or undone.
@@ -63,15 +65,16 @@ class LiveDeformation:
         self._targets = [(target.name, bone) for _, target, bone in handles]
         self._held = held
         self._rest = object_arrays.rest_positions(obj.data)
-        world = np.array(obj.matrix_world)
+        self._world = world = object_arrays.world_matrix(obj)
         # In the directions and the scale of the world, so that the area is the one seen, and about the
         # object's origin, where numbers are small.
         self._turn, self._origin = world[:3, :3], world[:3, 3]
         self._back = np.linalg.inv(self._turn)
         self._places = self._rest.astype(np.float64) @ self._turn.T
-        self._from_start = np.linalg.inv(self._matrices())
+        self._from_start = np.linalg.inv(self._matrices()[1:])
         had_key = obj.data.shape_keys is not None and object_arrays.KEY in obj.data.shape_keys.key_blocks
         self._kept = self._key_positions(obj) if had_key else None
+        self._switches = [getattr(self._key(obj), each) for each in _SHOWN] if had_key else []
         self._sent, self.motion, self._is_asked, self.is_settled = None, 0, False, False
         self.readings, self.warnings = {}, []
         self.status, self._is_open = "Opening", False
@@ -131,7 +134,10 @@ class LiveDeformation:
         """End with the shape key as it was before."""
         obj = self._object()
         if self._kept is not None:
-            object_arrays.write_key(obj, object_arrays.shape_key(obj), self._kept)
+            key = object_arrays.shape_key(obj)
+            object_arrays.write_key(obj, key, self._kept)
+            for switch, before in zip(_SHOWN, self._switches, strict=True):
+                setattr(key, switch, before)
         elif obj.data.shape_keys and (key := obj.data.shape_keys.key_blocks.get(object_arrays.KEY)):
             obj.shape_key_remove(key)
             if len(obj.data.shape_keys.key_blocks) == 1:
@@ -145,12 +151,13 @@ class LiveDeformation:
         return obj
 
     def _matrices(self):
-        found = []
+        """World matrices of the object, and of what moves each handle."""
+        found = [object_arrays.world_matrix(self._object())]
         for name, bone in self._targets:
             target = bpy.data.objects.get(name)
             if target is None:
                 raise SolverError(f"The handle’s object “{name}” is gone; start again.")
-            found.append(object_arrays.target_matrix(target, bone))
+            found.append(object_arrays.world_matrix(target, bone))
         return np.stack(found)
 
     def _send_targets(self):
@@ -159,7 +166,9 @@ class LiveDeformation:
         if self._sent is not None and np.array_equal(now, self._sent):
             return
         places = [self._places[self._held[0]]]
-        for ids, from_start, matrix in zip(self._held[1:], self._from_start, now, strict=True):
+        # As the object stood at first: what moves it and its handles alike deforms nothing.
+        handles = self._world @ np.linalg.solve(now[0], now[1:])
+        for ids, from_start, matrix in zip(self._held[1:], self._from_start, handles, strict=True):
             motion = matrix @ from_start
             places.append(
                 (self._places[ids] + self._origin) @ motion[:3, :3].T + motion[:3, 3] - self._origin
@@ -173,11 +182,18 @@ class LiveDeformation:
         key = object_arrays.shape_key(obj)
         # Not by "@": the threads of BLAS wait busily for tens of ms afterwards, on the cores of the solver.
         object_arrays.write_key(obj, key, np.einsum("ij,kj->ik", answer.arrays["U"], self._back))
+        if not self.readings:
+            for switch, shown in _SHOWN.items():
+                setattr(key, switch, shown)
         self.readings = head
         self.status = head["unreached"] or ("Settled" if self.is_settled else "Working")
 
     @staticmethod
-    def _key_positions(obj):
+    def _key(obj):
+        return obj.data.shape_keys.key_blocks[object_arrays.KEY]
+
+    @classmethod
+    def _key_positions(cls, obj):
         V = np.empty(3 * len(obj.data.vertices), np.float32)
-        obj.data.shape_keys.key_blocks[object_arrays.KEY].points.foreach_get("co", V)
+        cls._key(obj).points.foreach_get("co", V)
         return V.reshape(-1, 3)

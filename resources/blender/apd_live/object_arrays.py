@@ -27,7 +27,7 @@ def check_object(obj):
         if modifier.type in DEFORMING and modifier.show_viewport:
             raise SolverError(f"Turn the modifier “{modifier.name}” off: it deforms the mesh, too.")
     if obj.data.shape_keys and (mixed := [key.name for key in _other_keys(obj.data.shape_keys)]):
-        raise SolverError(f"Set the shape key “{mixed[0]}” to 0: it deforms the mesh, too.")
+        raise SolverError(f"Set the shape key “{mixed[0]}” to 0, or mute it: it deforms the mesh, too.")
     scales = np.linalg.svd(np.array(obj.matrix_world)[:3, :3], compute_uv=False)
     if scales[-1] <= _LEAST_SCALE * scales[0]:
         raise SolverError("The scale of the object is 0 in one direction; set another one.")
@@ -84,10 +84,7 @@ def shape_key(obj, name=KEY):
     if obj.data.shape_keys is None:
         obj.shape_key_add(name="Basis", from_mix=False)
     key = obj.data.shape_keys.key_blocks.get(name)
-    if key is None:
-        key = obj.shape_key_add(name=name, from_mix=False)
-        key.value = 1.0
-    return key
+    return obj.shape_key_add(name=name, from_mix=False) if key is None else key
 
 
 def write_key(obj, key, V):
@@ -96,9 +93,9 @@ def write_key(obj, key, V):
     obj.data.update()
 
 
-def target_matrix(target, bone=""):
+def world_matrix(obj, bone=""):
     """World matrix (4, 4) of an object or of a bone of it, as posed now."""
-    evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if bone:
         return np.array(evaluated.matrix_world @ evaluated.pose.bones[bone].matrix)
     return np.array(evaluated.matrix_world)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators: start a live deformation, bake, handles, and the test of the program."""
 
+from contextlib import suppress
+
 import bpy
 
 from . import baking
@@ -138,25 +140,28 @@ class APD_OT_bake(bpy.types.Operator):
 
     def execute(self, context):
         scene, manager, obj = context.scene, context.window_manager, context.object
-        frames = range(scene.frame_start, scene.frame_end + 1, self.step)
-        before = scene.frame_current
+        frames, before, live = baking.frames_of(scene, self.step), scene.frame_current, None
         try:
-            scene.frame_set(frames.start)
-            live = SESSION.started(context)
-            manager.progress_begin(0, len(frames))
-            shapes = self._counted(manager, baking.shapes_of_frames(live, frames))
-            if self.form == "KEYS":
-                baking.bake_shape_keys(obj, frames, shapes)
-            else:
-                baking.bake_point_cache(obj, self.path, frames, shapes)
-            live.keep()
+            with baking.earlier_bake_hidden(obj):
+                scene.frame_set(frames.start)
+                live = SESSION.started(context)
+                manager.progress_begin(0, len(frames))
+                shapes = self._counted(manager, baking.shapes_of_frames(live, obj, frames))
+                if self.form == "KEYS":
+                    baking.bake_shape_keys(obj, frames, list(shapes))
+                else:
+                    baking.bake_point_cache(obj, self.path, frames, shapes)
         except SolverError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         finally:
             manager.progress_end()
+            if live is not None:
+                with suppress(SolverError):  # that the solver has ended
+                    live.undo()
             scene.frame_set(before)
             SESSION.live = None
+        baking.hide_kept_shape(obj)
         return {"FINISHED"}
 
     @staticmethod

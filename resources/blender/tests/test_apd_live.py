@@ -477,6 +477,176 @@ def test_bake_gives_the_shape_of_each_frame(addon, scene, form, tmp_path):
     assert hand.location.x == pytest.approx(1.0)
 
 
+def bake(form, path, **more):
+    return bpy.ops.apd.bake("EXEC_DEFAULT", form=form, path=str(path), **more)
+
+
+def keys_of(obj):
+    keys = obj.data.shape_keys.key_blocks if obj.data.shape_keys else ()
+    return [(key.name, key.value, key.mute, [tuple(point.co) for point in key.points]) for key in keys]
+
+
+@pytest.mark.parametrize("form", ["KEYS", "CACHE"])
+def test_bake_holds_shapes_between_frames_until_the_end_of_the_scene(addon, scene, form, tmp_path):
+    obj, hand = tube()
+    keyed(hand, scene)
+    scene.frame_start, scene.frame_end = 101, 106
+    hand.animation_data_clear()
+    for frame in range(101, 108):
+        hand.location.x = 0.1 * (frame - 101)
+        hand.keyframe_insert("location", index=0, frame=frame)
+    rest, _ = shown(obj)
+    assert bake(form, tmp_path / "tube.pc2", step=2) == {"FINISHED"}
+    top = group_of(obj, "top")
+    for frame in range(101, 107):
+        scene.frame_set(frame)
+        far = (shown(obj)[0] - rest)[top]
+        np.testing.assert_allclose(far, np.tile([0.1 * (frame - 101), 0, 0], (len(top), 1)), atol=3e-6)
+    for frame, reached in ((90, 0.0), (120, 0.6)):
+        scene.frame_set(frame)
+        np.testing.assert_allclose((shown(obj)[0] - rest)[top, 0], reached, atol=3e-6)
+
+
+@pytest.mark.parametrize("form", ["KEYS", "CACHE"])
+def test_bake_deforms_nothing_where_all_moves_as_one(addon, scene, form, tmp_path):
+    obj, hand = tube()
+    root = bpy.data.objects.new("root", None)
+    bpy.context.collection.objects.link(root)
+    obj.parent = hand.parent = root
+    scene.frame_start, scene.frame_end = 1, 3
+    for frame in (1, 3):
+        root.location, root.rotation_euler.x = (5.0 * (frame - 1), 0.0, 0.0), 0.5 * (frame - 1)
+        root.keyframe_insert("location", frame=frame)
+        root.keyframe_insert("rotation_euler", frame=frame)
+    rest = addon.object_arrays.positions(obj.data).copy()
+    assert bake(form, tmp_path / "tube.pc2") == {"FINISHED"}
+    for frame in (1, 2, 3):
+        scene.frame_set(frame)
+        seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        np.testing.assert_allclose(addon.object_arrays.positions(seen), rest, atol=2e-5)
+
+
+def test_live_deformation_follows_a_handle_that_stays_while_the_object_moves(addon, scene):
+    obj, _ = tube()
+    rest, _ = shown(obj)
+    live = started(addon)
+    settled(live)
+    obj.location.x = 0.3
+    bpy.context.view_layer.update()
+    settled(live)
+    top, foot = group_of(obj, "top"), group_of(obj, "foot")
+    V, _ = shown(obj)
+    np.testing.assert_allclose(V[top], rest[top], atol=2e-6)
+    np.testing.assert_allclose(V[foot], rest[foot] + [0.3, 0.0, 0.0], atol=2e-6)
+    live.undo()
+
+
+def test_bake_plays_a_cache_before_the_modifiers_that_add_vertices(addon, scene, tmp_path):
+    obj, hand = tube()
+    keyed(hand, scene)
+    obj.modifiers.new("finer", "SUBSURF")
+    rest, _ = shown(obj)
+    assert bake("CACHE", tmp_path / "tube.pc2") == {"FINISHED"}
+    scene.frame_set(5)
+    V, _ = shown(obj)
+    assert len(V) == len(rest) > len(obj.data.vertices)
+    assert np.ptp((V - rest)[:, 0]) > 0.9
+
+
+def test_bake_leaves_other_curves_as_they_are(addon, scene, tmp_path):
+    obj, hand = tube()
+    keyed(hand, scene)
+    for frame in (1, 5):
+        obj.location.y = 0.1 * frame
+        obj.keyframe_insert("location", index=1, frame=frame)
+    obj.shape_key_add(name="Basis")
+    smile = obj.shape_key_add(name="smile")
+    smile.value = 0.0
+    for frame in (10, 20):
+        smile.keyframe_insert("value", frame=frame)
+    assert bake("KEYS", "") == {"FINISHED"}
+    actions = {obj.animation_data.action, obj.data.shape_keys.animation_data.action}
+    ways = {
+        curve.data_path: {point.interpolation for point in curve.keyframe_points}
+        for action in actions
+        for layer in action.layers
+        for strip in layer.strips
+        for bag in strip.channelbags
+        for curve in bag.fcurves
+    }
+    assert ways.pop("location") == ways.pop('key_blocks["smile"].value') == {"BEZIER"}
+    assert len(ways) == 5
+    assert set.union(*ways.values()) == {"LINEAR"}
+
+
+@pytest.mark.parametrize("second", ["KEYS", "CACHE"])
+@pytest.mark.parametrize("first", ["KEYS", "CACHE"])
+def test_bake_replaces_an_earlier_one(addon, scene, first, second, tmp_path):
+    obj, hand = tube()
+    keyed(hand, scene)
+    rest, _ = shown(obj)
+    assert bake(first, tmp_path / "tube.pc2") == {"FINISHED"}
+    hand.location.x = 0.5
+    hand.keyframe_insert("location", index=0, frame=5)
+    scene.frame_end = 3
+    assert bake(second, tmp_path / "tube.pc2") == {"FINISHED"}
+    top = group_of(obj, "top")
+    for frame in (1, 2, 3):
+        scene.frame_set(frame)
+        np.testing.assert_allclose((shown(obj)[0] - rest)[top, 0], hand.location.x, atol=3e-6)
+    assert len([each for each in obj.modifiers if each.type == "MESH_CACHE"]) <= 1
+    if second == "KEYS":
+        assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", "APD 1", "APD 2", "APD 3"]
+
+
+@pytest.mark.parametrize("form", ["KEYS", "CACHE"])
+def test_bake_that_fails_leaves_everything_as_it_was(addon, scene, form, tmp_path):
+    obj, hand = tube()
+    keyed(hand, scene)
+    assert bpy.ops.apd.live("EXEC_DEFAULT") == {"FINISHED"}
+    smile = obj.shape_key_add(name="smile")
+    for frame, value in ((3, 0.0), (4, 1.0)):
+        smile.value = value
+        smile.keyframe_insert("value", frame=frame)
+    scene.frame_set(1)
+    (tmp_path / "tube.pc2").write_bytes(b"an older one")
+    before = keys_of(obj)
+    with pytest.raises(RuntimeError, match="Set the shape key “smile” to 0, or mute it"):
+        bake(form, tmp_path / "tube.pc2")
+    assert keys_of(obj) == before
+    assert not list(obj.modifiers)
+    assert [(each.name, each.read_bytes()) for each in tmp_path.iterdir()] == [("tube.pc2", b"an older one")]
+    assert addon.operators.SESSION.live is None
+
+
+def test_bake_that_fails_shows_the_earlier_one_again(addon, scene, tmp_path):
+    obj, hand = tube()
+    keyed(hand, scene)
+    assert bake("KEYS", "") == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="cannot be written"):
+        bake("CACHE", tmp_path / "none" / "tube.pc2")
+    scene.frame_set(5)
+    assert shown(obj)[0][:, 0].max() == pytest.approx(2.0, abs=0.1)
+
+
+def test_live_deformation_is_in_sight_after_a_bake(addon, scene, tmp_path):
+    obj, hand = tube()
+    keyed(hand, scene)
+    assert bpy.ops.apd.live("EXEC_DEFAULT") == {"FINISHED"}
+    assert bake("CACHE", tmp_path / "tube.pc2") == {"FINISHED"}
+    assert obj.data.shape_keys.key_blocks["APD"].value == 0.0
+    obj.modifiers["APD"].show_viewport = False
+    hand.animation_data_clear()
+    live = started(addon)
+    hand.location.x = 0.5
+    bpy.context.view_layer.update()
+    settled(live)
+    top = group_of(obj, "top")
+    assert shown(obj)[0][top, 0].max() == pytest.approx(1.5, abs=0.01)
+    live.undo()
+    assert obj.data.shape_keys.key_blocks["APD"].value == 0.0
+
+
 def test_bake_tells_a_file_that_cannot_be_written(addon, scene, tmp_path):
     _, hand = tube()
     keyed(hand, scene)
