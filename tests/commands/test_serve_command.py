@@ -95,6 +95,19 @@ def test_serve_command_follows_a_path_as_deform_does(ball):
     np.testing.assert_array_equal(last.arrays["U"], whole.U)
 
 
+def test_serve_command_keeps_the_last_motion_when_the_next_one_is_refused(ball):
+    with SolverClient() as client:
+        client.answer("open", opening_arrays(*ball))
+        client.send("move", {"targets": targets_of(ball, [0.0, 0.0, 0.1])}, id="old")
+        before = client.last_frame()
+        client.send("move", {"targets": np.zeros((1, 3))}, id="wrong")
+        assert client.received("error").head["id"] == "wrong"
+        client.send("frame")
+        after = client.received("frame")
+    assert (before.head["motion"], after.head["motion"]) == ("old", "old")
+    np.testing.assert_array_equal(after.arrays["U"], before.arrays["U"])
+
+
 def test_serve_command_answers_the_newest_motion(ball):
     with SolverClient() as client:
         client.answer("open", opening_arrays(*ball), dtype="<f4")
