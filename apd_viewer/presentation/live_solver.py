@@ -86,10 +86,10 @@ class LiveSolver:
     @contextmanager
     def held(self) -> Iterator[None]:
         """Context without iterations: two solvers at a time would slow each other."""
-        with self._changed:
-            self._is_held = True
-            self._changed.wait_for(lambda: not self._is_busy)
         try:
+            with self._changed:
+                self._is_held = True
+                self._changed.wait_for(lambda: not self._is_busy)
             yield
         finally:
             with self._changed:

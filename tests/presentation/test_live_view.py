@@ -190,6 +190,21 @@ def test_live_solver_waits_while_it_is_held():
     solver.close()
 
 
+def test_live_solver_goes_on_after_waiting_for_it_was_interrupted(monkeypatch):
+    solver, made = LiveSolver(), apd_viewer.Deformation(V, F, np.r_[BASE, HANDLE], handle=HANDLE)
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Condition, "wait_for", interrupted)
+        with pytest.raises(KeyboardInterrupt), solver.held():
+            pass
+    solver.open(lambda: made, V[made.fixed], None)
+    assert solver.newer_shape(0, 60).number == 1
+    solver.close()
+
+
+def interrupted(*_):
+    raise KeyboardInterrupt
+
+
 class Stub:
     """Widget of a notebook that only notes what is sent."""
 
