@@ -60,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         return 2
     except KeyboardInterrupt:
-        print_error(tr("interrupted; nothing was written"))
+        print_error(tr("interrupted; no file is left unfinished"))
         return 130
     return 0
 

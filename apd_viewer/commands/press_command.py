@@ -20,7 +20,7 @@ from apd_viewer.commands.press_output import (
     weight_fields,
     weight_lines,
 )
-from apd_viewer.commands.result_output import mesh_remarks
+from apd_viewer.commands.result_output import figure_files, mesh_remarks
 from apd_viewer.commands.terminal.command_output import CommandOutput, json_path
 from apd_viewer.commands.terminal.mesh_options import (
     add_axis_option,
@@ -134,7 +134,7 @@ def parse_distance(text: str) -> float | str:
 
 def _press(options: argparse.Namespace) -> CommandOutput:
     meshes = [path for path in (options.output, options.crushed) if path]
-    written = [*meshes, options.curve, options.figure, json_path(options.json)]
+    written = [*meshes, options.curve, *figure_files(options.figure), json_path(options.json)]
     if not any(written) and not options.json:
         raise InputError(tr("Nothing would be written; add -o, --curve, --figure or --json."))
     for path in meshes:

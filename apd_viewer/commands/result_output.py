@@ -106,6 +106,11 @@ def add_scalar_options(parser: argparse.ArgumentParser) -> None:
     add_option(parser, "--triangle-scalars T.csv", about, type=Path)
 
 
+def figure_files(figure: Path | None) -> list[Path]:
+    """The two files of a figure; none if it was not requested."""
+    return [figure.with_name(f"{figure.stem}.{kind}") for kind in ("png", "svg")] if figure else []
+
+
 def scalar_files(options: argparse.Namespace) -> tuple[Path | None, Path | None]:
     """Requested files of vertex and of triangle scalars; None if not requested."""
     return options.scalars, options.triangle_scalars

@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from apd_viewer.commands.result_output import mesh_remarks
+from apd_viewer.commands.result_output import figure_files, mesh_remarks
 from apd_viewer.commands.terminal.columns import column_count, padded_text
-from apd_viewer.commands.terminal.command_output import CommandOutput
+from apd_viewer.commands.terminal.command_output import CommandOutput, json_path
 from apd_viewer.commands.terminal.mesh_options import open_input_mesh, parse_axis, unit_option_in_errors
 from apd_viewer.commands.terminal.parser import Parser, add_option
 from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import check_files
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import hull_fields
 from apd_viewer.files.storage.atomic_file import replacing_file, staging_folder
@@ -72,6 +73,7 @@ class _Filling(NamedTuple):
 
 @unit_option_in_errors()
 def _volumes(options: argparse.Namespace) -> CommandOutput:
+    check_files([options.levels, *figure_files(options.figure), json_path(options.json)])
     mesh = open_input_mesh(options.mesh)
     unit = Unit(options.unit or mesh.unit)
     litres = _bag(options.bag, unit)
@@ -90,7 +92,9 @@ def _volumes(options: argparse.Namespace) -> CommandOutput:
     if options.levels is not None and up is not None:
         _write_levels(options.levels, Vessel(mesh.V, mesh.F, up, closed[0]))
     if options.figure is not None and up is not None:
-        vessels = {each.name: Vessel(each.V, each.F, up, at) for each, at in zip(meshes, closed, strict=True)}
+        titles = [mesh.name, *([] if before is None else [tr("{name}, at rest").format(name=before.name)])]
+        shapes = zip(titles, meshes, closed, strict=True)
+        vessels = {name: Vessel(each.V, each.F, up, at) for name, each, at in shapes}
         _draw_levels(options.figure, vessels, fill, unit)
     rows = tuple(volume_text.volume_rows(rest or now, now, unit, wall.density, litres, _up_name(up)))
     lines = [volume_lines(mesh.name, rows, rest is not None)]

@@ -551,7 +551,7 @@ def test_press_command_names_a_file_to_be_written_twice(ball, press, tmp_path):
 @pytest.mark.parametrize("option", ["--curve", "--figure", "--report"])
 def test_press_command_names_a_folder_in_place_of_a_file_at_once(option, ball, press, tmp_path, monkeypatch):
     monkeypatch.setattr(press_command, "PlatePress", None)  # nothing is pressed before
-    (tmp_path / "folder.png").mkdir()
+    (tmp_path / ("folder.svg" if option == "--figure" else "folder.png")).mkdir()
     status, out, err, written = press(ball, *QUICK, option, tmp_path / "folder.png")
     assert (status, out) == (2, "")
     assert "(it is a folder)" in err

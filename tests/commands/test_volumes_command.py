@@ -141,21 +141,33 @@ def test_volumes_command_counts_openings_as_closed(tmp_path, words, volume):
     assert report["brimful_volume"] == pytest.approx(200.0 if volume == 200.0 else 60.0)
 
 
-def test_volumes_command_draws_the_level_of_both_shapes(files, tmp_path, monkeypatch):
+@pytest.mark.parametrize("same_name", [False, True])
+def test_volumes_command_draws_the_level_of_both_shapes(files, tmp_path, monkeypatch, same_name):
     """Boxes of 20 cm²: straight lines up to their brims, with the filled volume on that of the shape."""
     rest, half = files
+    if same_name:  # in another folder
+        (tmp_path / "after").mkdir()
+        half = half.rename(tmp_path / "after" / rest.name)
     seen, draw = [], curves.draw_fill_levels
     monkeypatch.setattr(curves, "draw_fill_levels", lambda *given: (seen.append(given), draw(*given)))
     words = ["volumes", str(half), "--rest", str(rest), "--unit", "cm", "--up", "z", "--fill", "80ml"]
     assert main([*words, "--figure", str(tmp_path / "levels.png")]) == 0
     ((drawn, units, _, filled),) = seen
     assert units == ("l", "cm")
-    for (name, rows), path, most in zip(drawn.items(), (half, rest), (0.1, 0.2), strict=True):
-        assert name == path.name
+    assert list(drawn) == [half.name, "rest.obj, at rest"]
+    for rows, most in zip(drawn.values(), (0.1, 0.2), strict=True):
         assert rows[-1, 0] == pytest.approx(most)
         assert rows[:, 0] == pytest.approx(0.02 * rows[:, 1])
     assert filled == ("0.08\u00a0l: level 4.000\u00a0cm", pytest.approx(0.08), pytest.approx(4.0))
     assert {path.name for path in tmp_path.glob("levels.*")} == {"levels.png", "levels.svg"}
+
+
+def test_volumes_command_says_before_it_writes_what_cannot_be_written(files, tmp_path, capsys):
+    (tmp_path / "levels.svg").mkdir()
+    words = ["volumes", str(files[0]), "--up", "z", "--levels", str(tmp_path / "levels.csv")]
+    assert main([*words, "--figure", str(tmp_path / "levels.png")]) == 2
+    assert "levels.svg cannot be written (it is a folder)" in capsys.readouterr().err
+    assert {path.name for path in tmp_path.glob("levels.*")} == {"levels.svg"}
 
 
 @pytest.mark.parametrize(
