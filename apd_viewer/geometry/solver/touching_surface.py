@@ -88,7 +88,7 @@ class TouchingSurface(ABC):
 
     def _with_contact(self, residual: np.ndarray, U: np.ndarray) -> np.ndarray:
         """Elastic ``residual`` (f, 3) plus those of gaps and gas at ``U`` (n, 3)."""
-        residual += self.contact.quarter_gradient(U)[self.free]
+        residual += parallel_ops.gathered_rows(self.contact.quarter_gradient(U), self.free)
         if self.gas:
             residual += 0.25 * self.gas.gradient(U)[self.free]
         return residual
