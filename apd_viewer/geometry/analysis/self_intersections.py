@@ -28,7 +28,11 @@ MOST_AT_ONCE = 1_000_000
 # slabs of space do not part them, and all at once would take all memory.
 MOST_PAIRS_AT_ONCE = 5_000_000
 _NEIGHBOURS = 20  # whose boxes meet that of a triangle in any surface
-_SAMPLE, _MOST_SLABS = 200, 100
+_MOST_SLABS = 100
+# Triangles that are sampled, as many as are compared with so many boxes.
+_SAMPLE, _LEAST_SAMPLE, _MOST_BOXES = 200, 20, 10_000_000
+# Of a hash of cells in space.
+_PRIMES, _CELLS = np.array([73_856_093, 19_349_663, 83_492_791]), 1 << 20
 
 
 class _Edges(NamedTuple):
@@ -97,20 +101,31 @@ def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
 
 
 def _near_pairs(X: np.ndarray, F: np.ndarray) -> float:
-    """Estimate of the pairs of triangles ``F`` (m, 3) in each other's way."""
+    """Estimate of the pairs of triangles ``F`` (m, 3) in each other's way.
+
+    Of a sample, in which triangles with large boxes, and those that share their place with many, are as much
+    likelier as they are likely to be in a heap: that may be a small part of the mesh.
+    """
     corners = X[F]
     low, high = corners.min(axis=1), corners.max(axis=1)
+    size = (high - low).max(axis=1) + 1e-9
+    mean = float(size.mean())
+    cell = np.floor(corners[:, 0] / mean).astype(np.int64) @ _PRIMES % _CELLS
+    chance = (size + mean) ** 2 * np.bincount(cell)[cell]
+    chance /= chance.sum()
     axis = int(np.argmax(np.ptp(X, axis=0)))
     order = np.argsort(low[:, axis])
-    first, widest = low[order, axis], float((high - low)[:, axis].max())
-    sample = np.random.default_rng(0).choice(len(F), min(len(F), _SAMPLE), replace=False)
+    first, widest = low[order, axis], float(size.max())
+    sample = np.random.default_rng(0).choice(len(F), _SAMPLE, p=chance)
     begin = np.searchsorted(first, low[sample, axis] - widest)
     end = np.searchsorted(first, high[sample, axis], side="right")
-    meet = 0  # boxes
-    for i, some in zip(sample, map(slice, begin, end), strict=True):
+    sample = sample[: max(_LEAST_SAMPLE, int((np.cumsum(end - begin) <= _MOST_BOXES).sum()))]
+    pairs = 0.0
+    for i, some in zip(sample, map(slice, begin, end), strict=False):
         others = order[some]
-        meet += int(((low[others] <= high[i]) & (high[others] >= low[i])).all(axis=1).sum())
-    return 0.5 * len(F) * max(meet / len(sample) - _NEIGHBOURS, 0.0)
+        meet = int(((low[others] <= high[i]) & (high[others] >= low[i])).all(axis=1).sum())
+        pairs += 0.5 * max(meet - _NEIGHBOURS, 0) / chance[i]
+    return pairs / len(sample)
 
 
 def _slabs(X: np.ndarray, F: np.ndarray) -> list[np.ndarray]:
@@ -118,8 +133,9 @@ def _slabs(X: np.ndarray, F: np.ndarray) -> list[np.ndarray]:
 
     Two triangles that meet both reach into the slab where they do. Raises InputError for a heap.
     """
+    pairs = _near_pairs(X, F)
     # Twice as many slabs as pairs ask for, since triangles at a cut are in both.
-    share = max(len(F) / MOST_AT_ONCE, 2.0 * _near_pairs(X, F) / MOST_PAIRS_AT_ONCE)
+    share = max(len(F) / MOST_AT_ONCE, 2.0 * pairs / MOST_PAIRS_AT_ONCE)
     count = min(math.ceil(share), _MOST_SLABS)
     along = X[:, np.argmax(np.ptp(X, axis=0))]
     a, b, c = (along[corner] for corner in F.T)
@@ -127,13 +143,13 @@ def _slabs(X: np.ndarray, F: np.ndarray) -> list[np.ndarray]:
     cuts = np.quantile(low, np.arange(1, count) / count, method="lower")  # so that no slab is empty
     ends = pairwise([-np.inf, *cuts, np.inf])
     slabs = [np.flatnonzero((high >= begin) & (low <= end)) for begin, end in ends]
-    largest = max(slabs, key=len)
-    if count > 1 and _near_pairs(X, F[largest]) > MOST_PAIRS_AT_ONCE:
-        said = tr(
-            "{n:,} triangles lie in a heap, each through nearly all others, which is too much to search; "
-            "remove parts that repeat or are scrambled, or turn contact off."
-        )
-        raise InputError(said.format(n=len(largest)))
+    for slab in slabs if pairs > MOST_PAIRS_AT_ONCE else ():
+        if _near_pairs(X, F[slab]) > MOST_PAIRS_AT_ONCE:
+            said = tr(
+                "{n:,} triangles lie in a heap, each through nearly all others, which is too much to search; "
+                "remove parts that repeat or are scrambled, or turn contact off."
+            )
+            raise InputError(said.format(n=len(slab)))
     return slabs
 
 

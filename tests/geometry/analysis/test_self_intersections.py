@@ -229,6 +229,20 @@ def test_crossings_are_not_known_in_a_heap_that_no_memory_holds():
         crossing_pairs(U, F)
 
 
+@pytest.mark.parametrize("size", [1e-4, 0.3])
+def test_crossing_pairs_refuses_a_small_heap_in_a_large_mesh(size, monkeypatch):
+    """Of 82,000 triangles 150, small ones or long ones, which make 11,000 pairs."""
+    V, F = meshes.sphere(6)
+    heap = np.random.default_rng(0).normal(size=(150, 3, 3)) * size + [2.0, 0.0, 0.0]
+    U = np.vstack([V, heap.reshape(-1, 3)])
+    F = np.vstack([F, np.arange(450).reshape(-1, 3) + len(V)])
+    monkeypatch.setattr(self_intersections, "MOST_PAIRS_AT_ONCE", 30_000)
+    assert len(crossing_pairs(U, F)) > 1_000
+    monkeypatch.setattr(self_intersections, "MOST_PAIRS_AT_ONCE", 3_000)
+    with pytest.raises(InputError, match="triangles lie in a heap"):
+        crossing_pairs(U, F)
+
+
 def test_crossings_are_not_known_without_the_library(monkeypatch):
     monkeypatch.setitem(sys.modules, "ipctk", None)
     assert crossings(*meshes.sphere(0)) is None
