@@ -23,6 +23,10 @@ def check_object(obj):
         raise SolverError("Select a mesh.")
     if obj.mode != "OBJECT":
         raise SolverError("Leave edit mode first: Tab.")
+    if not obj.data.is_editable:
+        raise SolverError("The mesh is linked from another file; make it local first.")
+    if obj.data.shape_keys and not obj.data.shape_keys.use_relative:
+        raise SolverError("The shape keys are absolute, of which one is shown; make them relative first.")
     for modifier in obj.modifiers:
         if modifier.type in DEFORMING and modifier.show_viewport:
             raise SolverError(f"Turn the modifier “{modifier.name}” off: it deforms the mesh, too.")

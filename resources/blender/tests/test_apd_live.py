@@ -665,6 +665,32 @@ def test_solver_command_finds_the_program_or_says_what_to_do(addon, monkeypatch,
     assert found() == [str(tmp_path / "apd-viewer"), "serve"]
 
 
+def test_operator_refuses_a_mesh_that_is_linked_from_another_file(addon, scene, tmp_path):
+    tube()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "tube.blend"))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "tube.blend"), link=True) as (_, into):
+        into.objects = ["tube", "hand"]
+    for each in into.objects:
+        bpy.context.collection.objects.link(each)
+    bpy.context.view_layer.objects.active = bpy.data.objects["tube"]
+    bpy.context.view_layer.update()
+    refused(addon, "The mesh is linked from another file; make it local first")
+    bpy.ops.object.make_local(type="ALL")
+    bpy.context.view_layer.objects.active = bpy.data.objects["tube"]
+    bpy.context.view_layer.update()
+    assert bpy.ops.apd.live("EXEC_DEFAULT") == {"FINISHED"}
+
+
+def test_operator_refuses_absolute_shape_keys(addon, scene):
+    obj, _ = tube()
+    obj.shape_key_add(name="Basis")
+    obj.data.shape_keys.use_relative = False
+    refused(addon, "The shape keys are absolute")
+    obj.data.shape_keys.use_relative = True
+    assert bpy.ops.apd.live("EXEC_DEFAULT") == {"FINISHED"}
+
+
 def test_solver_process_refuses_another_protocol(addon, monkeypatch):
     monkeypatch.setattr(addon.solver_process, "PROTOCOL", 2)
     solver = addon.solver_process.SolverProcess([PROGRAM, "serve"])
