@@ -302,6 +302,7 @@ class RunBar(QWidget):
         self.cancel.setVisible(on)
         self.start.setVisible(not on)
         self.save.setVisible(there and self._saved is None)
+        self.save.setEnabled(True)
         saved = not on and self._saved is not None
         self.open.setVisible(saved)
         self.open_mesh.setVisible(saved and bool(self.mesh))
@@ -330,7 +331,6 @@ class RunBar(QWidget):
 
     def _show_saved(self, folder: Path) -> None:
         self._saved = folder
-        self.save.setEnabled(True)
         self.message.setText(tr("Saved as {folder}.").format(folder=folder))
         self._show_busy(False)
 

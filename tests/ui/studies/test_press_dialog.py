@@ -22,6 +22,7 @@ from study_driving import click, finish
 from apd_viewer.__main__ import main
 from apd_viewer.commands.buckle_command import buckle_parser
 from apd_viewer.commands.press_command import press_parser
+from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.energy.wall_map import wall_map_of
 from apd_viewer.geometry.goals.target_values import percentage
@@ -312,6 +313,24 @@ def test_study_dialog_lets_the_figure_give_way_on_a_low_screen_and_not_the_field
     ball.figure.shrink_by(0)
     natural = ball.figure.heightForWidth(ball.figure.width())
     assert ball.figure.minimumHeight() < height < natural
+
+
+def test_press_dialog_can_save_again_after_a_folder_that_cannot_be_written(
+    qtbot, ball, written, tmp_path, monkeypatch
+):
+    def full(_):
+        raise InputError("The disk is full.")
+
+    end_run(ball, written, tmp_path / "scratch")
+    with monkeypatch.context() as patch:
+        patch.setattr(run_dialog, "staging_folder", full)
+        ball.run.save_in(tmp_path)
+        qtbot.waitUntil(lambda: ball.run.message.text() == "The disk is full.")
+    assert ball.run.save.isVisible()
+    assert ball.run.save.isEnabled()
+    ball.run.save_in(tmp_path)
+    finish(qtbot, ball)
+    assert (tmp_path / "mesh-press" / "pressed.obj").exists()
 
 
 def test_press_dialog_has_the_window_tell_of_a_pressed_mesh_that_is_gone(
