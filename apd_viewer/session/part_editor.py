@@ -34,13 +34,17 @@ class PartEditor(DocumentEditor):
         self._store.set_document(state.document.with_handle(len(handles), Handle(name)))
         return len(handles)
 
-    def remove_handle(self, k: int) -> None:
-        """Remove handle ``k``; the others then move from their displayed positions."""
+    def remove_handle(self, k: int) -> bool:
+        """Remove handle ``k``, unless it is locked, and return whether it was removed.
+
+        The others then move from their displayed positions.
+        """
         state = self._gestures.state_without_gesture()
         if self._refuse_if_locked(PaintedPart(HANDLE + k)):
-            return
+            return False
         self._gestures.record(tr("Remove handle"), state)
         self._store.restart_motions(state.document, document_parts.without_handle(state.document, k))
+        return True
 
     def rename_handle(self, k: int, name: str) -> None:
         """Rename handle ``k``; a name in use gets a number."""
@@ -65,16 +69,17 @@ class PartEditor(DocumentEditor):
         self._store.set_document(document_parts.with_next_region(state.document))
         return len(regions)
 
-    def remove_region(self, k: int) -> None:
-        """Remove region ``k`` with its target."""
+    def remove_region(self, k: int) -> bool:
+        """Remove region ``k`` with its target, unless it is locked; return whether."""
         state = self._gestures.state_without_gesture()
         if self._refuse_if_locked(PaintedPart(k + 1, is_region=True)):
-            return
+            return False
         self._gestures.record(tr("Remove region"), state)
         asked = state.document.regions[k].area is not None
         (self._store.solve if asked else self._store.set_document)(
             document_parts.without_region(state.document, k)
         )
+        return True
 
     def rename_region(self, k: int, name: str) -> None:
         """Rename region ``k``; a name in use gets a number."""

@@ -65,15 +65,17 @@ class ActiveParts(QObject):
 
     def remove_handle(self, k: int) -> None:
         """Remove handle ``k``; another active handle stays active."""
-        if k < self.handle:
-            self.handle -= 1
-        self._session.parts.remove_handle(k)
+        before = self.handle
+        self.handle -= k < before
+        if not self._session.parts.remove_handle(k):
+            self.handle = before
 
     def remove_region(self, k: int) -> None:
         """Remove region ``k``; another active region stays active."""
-        if k < self.region:
-            self.region -= 1
-        self._session.parts.remove_region(k)
+        before = self.region
+        self.region -= k < before
+        if not self._session.parts.remove_region(k):
+            self.region = before
 
     def remove_obstacle(self, k: int) -> None:
         """Remove obstacle ``k``; another active obstacle stays active."""

@@ -8,6 +8,7 @@ from PySide6.QtCore import Qt
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS, label_colors
+from apd_viewer.session.model.document_parts import PaintedPart
 from apd_viewer.ui.tools.tool_modes import Tool
 
 
@@ -33,6 +34,19 @@ def two(qtbot, bottle):
     bottle.tools.choose_tool(Tool.MOVE)
     work_off()
     return bottle
+
+
+@pytest.mark.parametrize("kind", ["handles", "regions"])
+def test_active_parts_stay_when_the_removal_of_a_locked_part_is_refused(bottle, kind):
+    parts, session = bottle.parts, bottle.session
+    for _ in range(2):
+        getattr(parts, {"handles": "add_handle", "regions": "add_region"}[kind])()
+    before = parts.handle, parts.region
+    assert max(before) > 0
+    session.parts.lock(PaintedPart(HANDLE) if kind == "handles" else PaintedPart(1, is_region=True), True)
+    getattr(bottle.panel, kind).list.removed.emit(0)
+    assert (parts.handle, parts.region) == before
+    assert "is locked" in bottle.notice.text
 
 
 # Regions
