@@ -234,7 +234,7 @@ class PressController(QObject):
             return
         try:
             pair, text = self._required_pair(), self.panel.end.text()
-            extent = pair.extent(state.document)
+            extent = pair.extent(self._session.store.required_state().document)  # with plates that were put
             distance = self._session.typed_values.parse_fraction_or_length(text, extent)
             said = f"{format_short(100.0 * distance / extent)}\u00a0%"
             self._move_plates(tr("Press to {distance}").format(distance=said), distance)

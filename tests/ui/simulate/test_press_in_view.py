@@ -277,6 +277,15 @@ def test_press_in_view_writes_the_sign_after_a_percentage(qtbot, window, typed, 
     assert end.shown_unit == ("%" if shown == "0.5" else ""), "it could be meant as a factor"
 
 
+def test_press_in_view_puts_plates_beside_a_filled_shape_and_presses_at_once(qtbot, window):
+    window.session.settings.change(filled_volume=0.9 * window.session.store.state.inspection.volume)
+    window.docks["timeline"].show()
+    window.press.panel.end.setText("80")
+    window.press.panel.press.click()
+    assert player(window).is_playing
+    assert not window.press.panel.problem.isVisible()
+
+
 def test_press_in_view_refuses_what_plates_cannot_do(qtbot, window):
     window.actions_.simulate.press_live.trigger()
     panel = window.press.panel
