@@ -44,6 +44,7 @@ from apd_viewer.presentation.report_view import ShapeView, ViewedMesh, report_vi
 from apd_viewer.presentation.scales import Measure, Scale, default_scale, span_of
 from apd_viewer.presentation.shape_picture import VIEW_DIRECTION
 from apd_viewer.session.measurement_readings import complete_readings
+from apd_viewer.session.model.handle_paths import handle_turns
 from apd_viewer.session.model.memo import triangle_areas
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.up_axis import UpAxis
@@ -331,7 +332,8 @@ def _completed_checks(
     at_rest = at_rest or check_shape_in_process(ShapeQuery(V, F))
     if state.frame.U is V:
         return at_rest, at_rest
-    return found or check_shape_in_process(ShapeQuery(state.frame.U, F)), at_rest
+    shape = ShapeQuery(state.frame.U, F, handle_turns(state.document))
+    return found or check_shape_in_process(shape), at_rest
 
 
 def _measure(subject: ReportSubject, view: View, chosen: Scale | None) -> _ReportMeasurements:

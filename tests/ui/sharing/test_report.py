@@ -100,6 +100,25 @@ def twisted(qtbot, window, file):
     return window
 
 
+def test_report_controller_warns_of_turns_before_the_shape_is_checked(qtbot, twisted, tmp_path, monkeypatch):
+    window = twisted
+    window.session.settings.change(contact=False)
+    for _ in range(3):
+        window.session.handles.move_by(MOTIONS["TWIST"], "160", 0)
+        idle(qtbot, window)
+    qtbot.waitUntil(lambda: window.session.shape_checks.shape_check is not None, timeout=30_000)
+    known = window.session.shape_checks.shape_check
+    assert known.turns
+    pages = []
+    for found in (known, None):
+        monkeypatch.setattr(window.session.shape_checks, "shape_check", found)
+        path = tmp_path / "report.html"
+        write(qtbot, window, path)
+        pages.append(re.sub(r"\s+", " ", path.read_text(encoding="utf-8")))
+    warned = [len(re.findall("The surface holds", page)) for page in pages]
+    assert warned[0] == warned[1] > 0
+
+
 def number(text):
     return float(re.match(r"[−+]?[\d.]+", text).group().replace("−", "-"))
 
