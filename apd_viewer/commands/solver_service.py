@@ -201,9 +201,8 @@ class SolverService:
             raise InputError(tr("iterations must be a whole number of at least 1."))
         targets = checked_floats(message.arrays["targets"], tr("Targets"))
         path = targets if targets.ndim == 3 and len(targets) else targets[None]
-        # Targets that are refused leave the last motion as it is.
         self._walk = PathIteration(solver, [PathStop(each) for each in path])
-        self._motion = message.head.get("id")
+        self._motion = message.head.get("id")  # not that of targets that are refused
         self._begin(most)
 
     def _keep(self, message: Message) -> None:

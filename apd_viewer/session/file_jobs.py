@@ -184,6 +184,13 @@ class FileJobs:
         if any(about):
             self._listener.message_sent(" ".join(sentence for sentence in about if sentence))
 
+    def is_still_open(self, mesh: Mesh) -> bool:
+        """True if ``mesh`` is displayed; otherwise say that nothing was written."""
+        is_open = self._store.required_state().document.mesh is mesh
+        if not is_open:
+            self._listener.failed(tr("Another mesh was opened meanwhile; nothing was written."))
+        return is_open
+
     def export(self, path: str | Path, on_success: Callable[[], object] = lambda: None) -> None:
         """Export the displayed shape in the background.
 

@@ -462,7 +462,8 @@ class Workbench(QObject):
     # Closing the window
 
     def _ask_before_closing(self, event: QCloseEvent) -> None:
-        if not self._agreed and not self.files.may_discard_work(self._close_anyway, closes=True):
+        agreed, self._agreed = self._agreed, False  # something else may keep the window open
+        if not agreed and not self.files.may_discard_work(self._close_anyway, closes=True):
             event.ignore()
 
     def _close_anyway(self) -> None:

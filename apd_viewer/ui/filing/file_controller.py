@@ -13,6 +13,7 @@ from apd_viewer.files.known_file import FileState, KnownFile
 from apd_viewer.files.mesh_formats import POINT_CACHES
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.status_text import lost_file_text
 from apd_viewer.session.model.view import View
@@ -22,6 +23,8 @@ from apd_viewer.session.storage.recovery_file import RecoveryFile, find_recovery
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.preferences.preferences import Preferences, user_file
 from apd_viewer.ui.widgets.display_names import window_title_text
+
+T = TypeVar("T")
 
 
 class FileController:
@@ -90,33 +93,26 @@ class FileController:
 
     def export_mesh(self, on_done: Callable[[], object] = lambda: None) -> None:
         """Ask for a path, export the deformed mesh, and call ``on_done()``."""
-        if (state := self._session.store.state) is None:
-            return
-        path = file_dialogs.ask_where_to_save_mesh(
-            self._window, self._memory.last_folder, state.document.mesh
-        )
-        if path is not None:
+        if (path := self._answer_to(file_dialogs.ask_where_to_save_mesh)) is not None:
             self._session.files.export(path, on_done)
 
     def export_scalars(self) -> None:
         """Ask for a file and export the scalars to it."""
-        if (state := self._session.store.state) is None:
-            return
-        found = file_dialogs.ask_where_to_save_scalars(
-            self._window, self._memory.last_folder, state.document.mesh
-        )
-        if found is not None:
+        if (found := self._answer_to(file_dialogs.ask_where_to_save_scalars)) is not None:
             self._session.files.export_scalars(*found)
 
     def export_deck(self) -> None:
         """Ask for a file and export the FE deck to it."""
-        if (state := self._session.store.state) is None:
-            return
-        path = file_dialogs.ask_where_to_save_deck(
-            self._window, self._memory.last_folder, state.document.mesh
-        )
-        if path is not None:
+        if (path := self._answer_to(file_dialogs.ask_where_to_save_deck)) is not None:
             self._session.files.export_deck(path, self._view())
+
+    def _answer_to(self, ask: Callable[[QWidget, Path, Mesh], T | None]) -> T | None:
+        """Answer of a dialog; None without one, or if the mesh is another by now."""
+        if (state := self._session.store.state) is None:
+            return None
+        answer = ask(self._window, self._memory.last_folder, state.document.mesh)
+        is_meant = answer is not None and self._session.files.is_still_open(state.document.mesh)
+        return answer if is_meant else None
 
     def save(self, on_done: Callable[[], object] = lambda: None) -> None:
         """Save the session to its file; ask for a path if none is set or its folder gone.
@@ -131,11 +127,7 @@ class FileController:
 
     def save_as(self, on_done: Callable[[], object] = lambda: None) -> None:
         """Ask for a path, and save the session with or without the mesh."""
-        if (state := self._session.store.state) is None:
-            return
-        mesh = state.document.mesh
-        found = file_dialogs.ask_where_to_save_session(self._window, self._memory.last_folder, mesh)
-        if found is not None:
+        if (found := self._answer_to(file_dialogs.ask_where_to_save_session)) is not None:
             self._memory.remember_file(found[0])
             self._save(*found, on_done)
 
@@ -227,8 +219,13 @@ class FileController:
             # Asked again when the file is written: the user may have continued working.
             self.save(partial(self.run_after_save_prompt, action, closes))
         elif answer is UnsavedAnswer.EXPORT:
-            self.export_mesh(action)
+            self.export_mesh(partial(self._leave_exported, state.document, action, closes))
         return answer is UnsavedAnswer.DISCARD
+
+    def _leave_exported(self, document: Document, action: Callable[[], object], closes: bool) -> None:
+        """Call ``action()``, with a question first if the document has changed."""
+        is_same = self._session.store.required_state().document is document
+        action() if is_same else self.run_after_save_prompt(action, closes)
 
 
 _LONGEST_NAME = 300  # px

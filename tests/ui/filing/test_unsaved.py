@@ -1,5 +1,7 @@
 """Nothing that was said is lost without a file_controller, and each of its answers does what it says."""
 
+import threading
+
 import numpy as np
 import pytest
 from answering import LEFT, Person
@@ -10,10 +12,12 @@ from PySide6.QtWidgets import QFileDialog
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
+from apd_viewer.session import file_jobs
 from apd_viewer.session.posing.motion import MOTIONS
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.ui.filing import file_controller
+from apd_viewer.ui.filing import file_controller, file_dialogs
 from apd_viewer.ui.filing.file_controller import UnsavedAnswer
+from apd_viewer.ui.studies.study_run import StudyRun
 
 ASK = file_controller.ask_before_leaving
 CHANGES = {
@@ -163,6 +167,77 @@ def test_may_discard_work_saves_a_session_that_was_saved_before_without_asking_f
     assert has_left(qtbot, bottle, "closing", None)
     assert person.asked == ["Save changes to “mine.apd” before closing?"]
     assert open_session(tmp_path / "mine.apd")[0].document.settings.stiffness == 0.01
+
+
+def test_may_discard_work_asks_again_where_a_running_study_kept_the_window_open(
+    qtbot, bottle, person, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(StudyRun, "is_running", property(lambda _: True))
+    paint(bottle.session)
+    person.target = tmp_path / "mine.apd"
+    person.will(UnsavedAnswer.SAVE, "Cancel")
+    close(bottle)
+    qtbot.waitUntil(lambda: len(person.asked) == 2)
+    assert not has_left(qtbot, bottle, "closing", None)
+    monkeypatch.setattr(StudyRun, "is_running", property(lambda _: False))
+    bottle.session.settings.change(stiffness=0.01)
+    person.will(UnsavedAnswer.CANCEL)
+    close(bottle)
+    assert not has_left(qtbot, bottle, "closing", None)
+    assert len(person.asked) == 3
+
+
+@pytest.mark.parametrize("leaving", LEAVING)
+def test_may_discard_work_asks_again_about_what_was_done_during_the_export(
+    qtbot, bottle, person, tmp_path, monkeypatch, leaving
+):
+    write, may_end = file_jobs.save_mesh, threading.Event()
+
+    def slow(*given, **more):
+        may_end.wait(60)
+        return write(*given, **more)
+
+    monkeypatch.setattr(file_jobs, "save_mesh", slow)
+    paint(bottle.session)
+    before = bottle.session.store.state
+    person.target = tmp_path / "mine.obj"
+    person.will(UnsavedAnswer.EXPORT)
+    LEAVING[leaving](bottle)
+    bottle.session.settings.change(stiffness=0.01)
+    person.will(UnsavedAnswer.CANCEL)
+    may_end.set()
+    qtbot.waitUntil(lambda: len(person.asked) == 2)
+    assert not has_left(qtbot, bottle, leaving, before)
+    assert person.target.exists()
+
+
+ASKING = {
+    "session": (lambda files: files.save_as(), "ask_where_to_save_session", ("mine.apd", True)),
+    "mesh": (lambda files: files.export_mesh(), "ask_where_to_save_mesh", "mine.obj"),
+    "scalars": (lambda files: files.export_scalars(), "ask_where_to_save_scalars", ("mine.csv", 0)),
+    "deck": (lambda files: files.export_deck(), "ask_where_to_save_deck", "mine.inp"),
+}
+
+
+@pytest.mark.parametrize("what", ASKING)
+def test_file_controller_writes_nothing_of_a_mesh_that_comes_while_it_asks(
+    qtbot, bottle, tmp_path, monkeypatch, what
+):
+    ask, dialog, answer = ASKING[what]
+    before = bottle.session.store.state
+
+    def choose(*_):
+        bottle.session.files.open_sample("duck")
+        idle(qtbot, bottle)
+        name, *more = answer if isinstance(answer, tuple) else (answer,)
+        return (tmp_path / name, *more) if more else tmp_path / name
+
+    monkeypatch.setattr(file_dialogs, dialog, choose)
+    ask(bottle.files)
+    idle(qtbot, bottle)
+    assert bottle.session.store.state.document.mesh is not before.document.mesh
+    assert bottle.notice.text == "Another mesh was opened meanwhile; nothing was written."
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_may_discard_work_asks_about_a_dropped_file_too(qtbot, bottle, person, tmp_path):
