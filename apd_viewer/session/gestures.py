@@ -27,12 +27,24 @@ class Gestures:
         self._listener = listener
         self._last = -_TOGETHER
         self.state_before: State | None = None
+        self._accept: Callable[[], object] | None = None
         self.history = History()
 
-    def begin(self) -> None:
-        """Begin a gesture, one undo step."""
-        self.state_before = self._store.required_state()
+    def begin(self, accept: Callable[[], object] | None = None) -> None:
+        """Begin a gesture, one undo step; ``accept()`` ends one that merely shows a state."""
+        self.accept_shown_state()
+        self.state_before, self._accept = self._store.required_state(), accept
         self._store.begin_trace()
+
+    @property
+    def is_showing(self) -> bool:
+        """True while the current gesture merely shows a state, as a replay does."""
+        return self.state_before is not None and self._accept is not None
+
+    def accept_shown_state(self) -> None:
+        """End a gesture that merely shows a state, which another one then changes."""
+        if self._accept is not None and self.is_showing:
+            self._accept()
 
     def end(self, name: str | None) -> None:
         """End the gesture, and record it if the document changed and it has a name."""

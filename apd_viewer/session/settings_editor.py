@@ -122,6 +122,7 @@ class SettingsEditor(DocumentEditor):
         names = "settings", *changes
         if all(getattr(document, name) == getattr(before, name) for name in names):
             return
+        self._gestures.accept_shown_state()
         begun = self._gestures.state_before
         if begun is None or not have_same_paint(before, begun.document):
             # Vertices painted by an unfinished stroke are not attached to it yet, and would jump.

@@ -180,13 +180,13 @@ class TimelinePlayer:
         """Display step ``k``; :meth:`accept_shown_step` makes it the current state."""
         state = self.timeline.state_at(k, self._store.required_state().document, self.shows_wall)
         if self._gestures.state_before is None:
-            self._gestures.begin()
+            self._gestures.begin(self.accept_shown_step)
         self._store.show_state(state)
 
     def accept_shown_step(self) -> None:
         """Make the displayed step current; undoable unless the previous shape is a step."""
         before = self._gestures.state_before
-        if before is not None:
+        if before is not None and self._gestures.is_showing:
             if (k := self.shown_step) is not None:
                 self.show_step(k)  # its Wall result may have come meanwhile
             known = self.timeline.index_of(before) is not None

@@ -83,7 +83,7 @@ class TimelineReplay(QTimer):
         player = self._session.player
         count = len(player.timeline.steps)
         after = (player.shown_step if player.shown_step is not None else count) + 1
-        if self._session.gestures.state_before is None or player.is_playing:
+        if not self._session.gestures.is_showing or player.is_playing:
             self.stop()  # another gesture or motion has begun
         elif after < count or self._is_repeated():
             player.show_step(after % count)

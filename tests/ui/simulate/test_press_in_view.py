@@ -277,6 +277,32 @@ def test_press_in_view_writes_the_sign_after_a_percentage(qtbot, window, typed, 
     assert end.shown_unit == ("%" if shown == "0.5" else ""), "it could be meant as a factor"
 
 
+@pytest.mark.parametrize("what", ["a setting", "a stroke"])
+def test_replay_gives_way_to_what_changes_the_shape_it_shows(qtbot, window, what):
+    session, panel = window.session, pressed(qtbot, window)
+    session.settings.change(stiffness=0.02)  # that state is on no step
+    idle(qtbot, window)
+    before = session.store.state.document
+    panel.replay.click()
+    qtbot.waitUntil(lambda: player(window).shown_step == 1)
+    if what == "a setting":
+        session.settings.change(stiffness=0.01)
+    else:
+        session.gestures.begin()
+        session.painting.paint(np.arange(4), BASE)
+        qtbot.wait(600)  # ticks of the replay
+        session.painting.paint(np.arange(8), BASE)
+        session.painting.end_stroke("Paint base")
+    idle(qtbot, window)
+    names = "Change stiffness" if what == "a setting" else "Paint base"
+    assert session.gestures.history.undo_names[-2:] == ["Go to another step", names]
+    assert session.gestures.state_before is None
+    assert what == "a setting" or (session.store.state.document.labels[:8] == BASE).all()
+    for _ in range(2):
+        session.gestures.undo()
+    assert session.store.state.document is before
+
+
 def test_press_in_view_puts_plates_beside_a_filled_shape_and_presses_at_once(qtbot, window):
     window.session.settings.change(filled_volume=0.9 * window.session.store.state.inspection.volume)
     window.docks["timeline"].show()
