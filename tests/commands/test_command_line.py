@@ -600,7 +600,7 @@ def test_deform_writes_nothing_when_interrupted(bar, command, monkeypatch):
 
     monkeypatch.setattr(deform_command, "deform", interrupted)
     before = sorted(bar.folder.iterdir())
-    assert command(*bar.words()) == (130, "", "interrupted; nothing was written\n")
+    assert command(*bar.words()) == (130, "", "interrupted; no file is left unfinished\n")
     assert sorted(bar.folder.iterdir()) == before
 
 
