@@ -35,7 +35,7 @@ PARTS = ["deform", "press", "study", "steps", "kernel"]
 RESOURCES = Path(__file__).parents[2] / "resources"
 LONGEST = 60.0  # s that a process may take to end
 LATEST = {"bottle.obj": 5.0, "bar.obj": 2.5}  # s, of the moments
-INTERRUPTED = "interrupted; nothing was written\n"
+INTERRUPTED = "interrupted; no file is left unfinished\n"
 
 
 def run(words, moments, folder):
