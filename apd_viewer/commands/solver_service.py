@@ -133,7 +133,7 @@ class SolverService:
         with self._arrived:
             for number, message in enumerate(self._messages if self._walk else ()):
                 if (op := message.head.get("op")) == "frame":
-                    self._asked = self._messages.pop(number)
+                    self._ask_for_frame(self._messages.pop(number))
                     self._arrived.notify()
                     return
                 if op not in _REPLACED:

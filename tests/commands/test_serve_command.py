@@ -108,6 +108,41 @@ def test_serve_command_keeps_the_last_motion_when_the_next_one_is_refused(ball):
     np.testing.assert_array_equal(after.arrays["U"], before.arrays["U"])
 
 
+def test_solver_service_answers_a_frame_asked_for_while_it_refuses_a_motion(ball):
+    """Nothing is iterated then: a request taken as if something were would wait for ever."""
+    reader, writer = os.pipe()
+    told = []
+
+    class Sink(io.BytesIO):
+        def write(self, data):
+            told.append(bytes(data))
+            if b'"error"' in bytes(data):
+                os.write(writer, message_bytes({"op": "frame", "id": "second"}))
+                time.sleep(0.3)  # it is read meanwhile
+            return len(data)
+
+    def wait_for(name):
+        end = time.monotonic() + 30.0
+        while name not in b"".join(told):
+            assert time.monotonic() < end
+            time.sleep(0.01)
+
+    with os.fdopen(reader, "rb") as source, os.fdopen(writer, "wb", buffering=0) as sink:
+        service = solver_service.SolverService(source, Sink())
+        running = threading.Thread(target=service.run, daemon=True)
+        running.start()
+        sink.write(message_bytes({"op": "open"}, opening_arrays(*ball)))
+        sink.write(
+            message_bytes({"op": "move", "iterations": 1}, {"targets": targets_of(ball, [0.0, 0.0, 0.1])})
+        )
+        sink.write(message_bytes({"op": "frame", "id": "first"}))
+        wait_for(b'"first"')
+        sink.write(message_bytes({"op": "move"}, {"targets": np.zeros((1, 3))}))
+        wait_for(b'"second"')
+        sink.close()
+        running.join(30.0)
+
+
 def test_serve_command_answers_the_newest_motion(ball):
     with SolverClient() as client:
         client.answer("open", opening_arrays(*ball), dtype="<f4")
