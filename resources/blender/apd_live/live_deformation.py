@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Live deformation of an object by the objects or bones that are its handles."""
 
+import time
+
 import bpy
 import numpy as np
 
 from . import object_arrays
 from .solver_process import SolverError, opening_arrays
 
+# Seconds between places that are sent before the shape of an earlier one has come: each message takes time
+# from the solver, and of several only the newest is used.
+_LEAST_WAIT = 1 / 60
 _SHOWN = {"value": 1.0, "mute": False}  # switches of a shape key that is in sight
 
 
@@ -75,7 +80,8 @@ class LiveDeformation:
         had_key = obj.data.shape_keys is not None and object_arrays.KEY in obj.data.shape_keys.key_blocks
         self._kept = self._key_positions(obj) if had_key else None
         self._switches = [getattr(self._key(obj), each) for each in _SHOWN] if had_key else []
-        self._sent, self.motion, self._is_asked, self.is_settled = None, 0, False, False
+        self._sent, self._sent_at, self.motion = None, 0.0, 0
+        self._is_asked = self.is_settled = False
         self.readings, self.warnings = {}, []
         self.status, self._is_open = "Opening", False
         F = object_arrays.triangles(obj.data)
@@ -100,7 +106,9 @@ class LiveDeformation:
                 self._is_asked, frame = False, answer
                 self.is_settled = head["finished"] and head["motion"] == self.motion
         if self._is_open:
-            self._send_targets()
+            # While a shape is awaited, an earlier place would be replaced before it is used.
+            if not self._is_asked or time.monotonic() - self._sent_at > _LEAST_WAIT:
+                self._send_targets()
             # Before the shape is drawn, so that the solver works meanwhile.
             if not self._is_asked and not self.is_settled:
                 self._solver.send("frame")
@@ -167,21 +175,20 @@ class LiveDeformation:
             return
         places = [self._places[self._held[0]]]
         # As the object stood at first: what moves it and its handles alike deforms nothing.
-        handles = self._world @ np.linalg.solve(now[0], now[1:])
-        for ids, from_start, matrix in zip(self._held[1:], self._from_start, handles, strict=True):
-            motion = matrix @ from_start
+        back = _product(self._world, _inverse(now[0]))
+        motions = _product(_product(back, now[1:]), self._from_start)
+        for ids, motion in zip(self._held[1:], motions, strict=True):
             places.append(
-                (self._places[ids] + self._origin) @ motion[:3, :3].T + motion[:3, 3] - self._origin
+                _turned(self._places[ids] + self._origin, motion[:3, :3]) + motion[:3, 3] - self._origin
             )
         self.motion = self._solver.send("move", {"targets": np.concatenate(places)})
-        self._sent, self.is_settled = now, False
+        self._sent, self._sent_at, self.is_settled = now, time.monotonic(), False
 
     def _show(self, answer):
         head = answer.head
         obj = self._object()
         key = object_arrays.shape_key(obj)
-        # Not by "@": the threads of BLAS wait busily for tens of ms afterwards, on the cores of the solver.
-        object_arrays.write_key(obj, key, np.einsum("ij,kj->ik", answer.arrays["U"], self._back))
+        object_arrays.write_key(obj, key, _turned(answer.arrays["U"], self._back))
         if not self.readings:
             for switch, shown in _SHOWN.items():
                 setattr(key, switch, shown)
@@ -197,3 +204,29 @@ class LiveDeformation:
         V = np.empty(3 * len(obj.data.vertices), np.float32)
         cls._key(obj).points.foreach_get("co", V)
         return V.reshape(-1, 3)
+
+
+# None of these by BLAS or LAPACK, whose threads wait busily after a call, on the cores of the solver.
+
+
+def _turned(X, matrix):
+    """Points (k, 3) by a matrix (3, 3), in their precision."""
+    x, y, z = X.T
+    turned = np.empty_like(X)
+    for column, (a, b, c) in zip(turned.T, matrix.tolist(), strict=True):
+        column[:] = a * x + b * y + c * z
+    return turned
+
+
+def _product(left, right):
+    """Products of matrices (..., 4, 4)."""
+    return np.einsum("...ij,...jk->...ik", left, right)
+
+
+def _inverse(matrix):
+    """Inverse of an affine matrix (4, 4)."""
+    linear, inverse = matrix[:3, :3], np.eye(4)
+    across = np.cross(linear[[1, 2, 0]], linear[[2, 0, 1]]).T
+    inverse[:3, :3] = across / (linear[0] * across[:, 0]).sum()
+    inverse[:3, 3] = -_turned(matrix[None, :3, 3], inverse[:3, :3])[0]
+    return inverse
