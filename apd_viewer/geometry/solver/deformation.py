@@ -389,9 +389,9 @@ class Deformation:
     @property
     def settled(self) -> bool:
         """True if further iterations would change nothing."""
-        # Stability is examined only at the targets, not where contact stops the handles on the way.
-        looked = not self._stability.is_pending or self.share_reached < 1.0
-        return self.solver.progress.stuck or (self._is_in_equilibrium and looked)
+        # Stability, which takes an energy, is examined at the targets, not where contact stops the handles.
+        at_rest = self._is_in_equilibrium and (self.share_reached < 1.0 or not self._stability.is_pending)
+        return self.solver.progress.stuck or at_rest
 
     @property
     def _is_in_equilibrium(self) -> bool:
