@@ -166,7 +166,8 @@ class FileJobs:
         if before is not None:
             self._gestures.history.record(tr("Open {name}").format(name=name), before)
         if is_saved:
-            self._saved_work.mark_saved(SavedDocument(state.document, file, title=title))
+            image = None if view is None else view.image
+            self._saved_work.mark_saved(SavedDocument(state.document, file, title=title, image=image))
         if timeline.steps:
             self._player.set_timeline(timeline)
             self._saved_results.update(_wall_results(timeline))
@@ -297,7 +298,7 @@ class FileJobs:
         def written(done: tuple[bool, KnownFile] | ChangedFileError) -> None:
             if isinstance(done, tuple):
                 embedded, file = done
-                self._saved_work.mark_saved(SavedDocument(state.document, file, embed))
+                self._saved_work.mark_saved(SavedDocument(state.document, file, embed, image=view.image))
                 self._saved_results.update(_wall_results(steps))
                 said = status_text.saved_session_sentence(path.name, embedded, left_out)
                 self._listener.message_sent(said)
@@ -320,7 +321,9 @@ class FileJobs:
             state = self._gestures.state_without_gesture()
             if any(locked.any() for locked in state.document.flags.locked):
                 self._listener.failed(tr("A selection replaces all parts; unlock them first."))
-            elif state.document.mesh is mesh:  # another mesh may have been opened meanwhile
+            elif state.document.mesh is not mesh:
+                self._listener.failed(status_text.LOAD_AGAIN)
+            else:
                 self._gestures.record(tr("Load selection"), state)
                 self._store.restart_motions(state.document, with_selection(state.document, selection))
                 self._listener.message_sent(status_text.loaded_selection_sentence(path.name, selection))

@@ -12,7 +12,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.background_job import Jobs
 from apd_viewer.session.gestures import DocumentEditor, Gestures
 from apd_viewer.session.model.state import State, rest_frame, welded_state
-from apd_viewer.session.model.status_text import baking_sentence, target_sentence
+from apd_viewer.session.model.status_text import LOAD_AGAIN, baking_sentence, target_sentence
 from apd_viewer.session.posing.named_poses import rebased_poses
 from apd_viewer.session.posing.obstacle_placement import reset_obstacles
 from apd_viewer.session.state_store import Listener, StateStore
@@ -82,7 +82,8 @@ class ShapeEditor(DocumentEditor):
 
         def loaded(target: TargetShape) -> None:
             if self._store.required_state().document.mesh.F is not mesh.F:
-                return  # another mesh has been opened meanwhile
+                self._listener.failed(LOAD_AGAIN)
+                return
             self._replace(tr("Load target shape"), target_shape=target, missing_target_shape=None)
             self._listener.message_sent(target_sentence(target, mesh))
             on_success()

@@ -1,6 +1,7 @@
 """A target shape is a step of undo, is kept in the session file, and is not sent to the solver."""
 
 import json
+import threading
 import zipfile
 from dataclasses import replace
 
@@ -14,6 +15,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session import shape_editor
 from apd_viewer.session.model.state import initial_state
 from apd_viewer.session.processes.array_pipe import ArrayPacker
 from apd_viewer.session.storage.session_file import open_session, save_session
@@ -67,6 +69,19 @@ def test_target_shapes_load_and_clear_are_steps_of_undo(session, file):
     assert session.gestures.history.undo_names[-1] == "Load target shape"
     session.show_now(Mesh(*sphere(1)))
     assert session.store.state.document.target_shape is None, "it was for another mesh"
+
+
+def test_target_shapes_say_that_another_mesh_was_opened_meanwhile(session, file, monkeypatch):
+    read = threading.Event()
+    monkeypatch.setattr(shape_editor, "open_mesh", lambda path: open_mesh(path) if read.wait(60.0) else None)
+    before = session.store.state
+    session.show_now(Mesh(*sphere(1)))
+    session.shapes.load_target(file)
+    session.gestures.undo()
+    read.set()
+    session.until(lambda: session.jobs.current is None)
+    assert session.store.state.document is before.document
+    assert session.failed == ["Another mesh was opened meanwhile; load the file again."]
 
 
 def test_target_shapes_leave_the_shape_to_be_solved_as_without_a_target(session, file, monkeypatch):

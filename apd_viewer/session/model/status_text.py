@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
 
+LOAD_AGAIN = tr("Another mesh was opened meanwhile; load the file again.")
+
 
 def findings_sentences(findings: Sequence[Finding]) -> str | None:
     """Sentences about the findings of an opened mesh; None if there is none.
