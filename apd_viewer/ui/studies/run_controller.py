@@ -26,6 +26,7 @@ from apd_viewer.ui.filing.file_controller import FileController
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.studies.paper_dialog import PaperDialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
+from apd_viewer.ui.studies.run_dialog import RunDialog
 from apd_viewer.ui.studies.sweep_dialog import AnimationDialog, SweepDialog
 from apd_viewer.ui.studies.verification_dialog import VerificationDialog
 
@@ -69,6 +70,7 @@ class RunController(QObject):
         self._session, self._filing = session, files
         self._opened, self._failed = open_document, show_failure
         self.dialogs: dict[str, QDialog] = {}
+        self._made_for: dict[str, Document | None] = {}
         # Last results of each mesh, by the kind of run.
         self._pressed = WeakKeyDictionary[Mesh, dict[str, tuple[PageBlock, ...]]]()
 
@@ -81,7 +83,7 @@ class RunController(QObject):
         if state.document.paint_problem:
             self._failed(state.document.paint_problem)
             return
-        self._show("sweep", lambda: self._sweep_dialog(state, handle, view))
+        self._show("sweep", lambda: self._sweep_dialog(state, handle, view), state.document)
 
     def _sweep_dialog(self, state: State, handle: int, view: View) -> SweepDialog:
         dialog = SweepDialog(self._window, state, handle, view, self._memory)
@@ -110,7 +112,11 @@ class RunController(QObject):
             words = tr("No handle has moved, so there is no motion to export; move a handle first.")
             self._failed(state.document.paint_problem or words)
             return
-        self._show("animate", lambda: AnimationDialog(self._window, state, motions, view, self._memory))
+        self._show(
+            "animate",
+            lambda: AnimationDialog(self._window, state, motions, view, self._memory),
+            state.document,
+        )
 
     def _motions(self, state: State) -> list[tuple[str, Document]]:
         """Motions that can be exported, with their titles."""
@@ -128,7 +134,7 @@ class RunController(QObject):
         found = self._opened()
         if found is not None:
             state, _, view = found
-            self._show("press", lambda: self._press_dialog(state, view))
+            self._show("press", lambda: self._press_dialog(state, view), state.document)
 
     def _press_dialog(self, state: State, view: View) -> PressDialog:
         dialog = PressDialog(self._window, state, view, self._memory)
@@ -176,12 +182,25 @@ class RunController(QObject):
         for dialog in list(self.dialogs.values()):
             dialog.close()
 
-    def _show(self, name: str, make: Callable[[], QDialog]) -> None:
+    def _show(self, name: str, make: Callable[[], QDialog], document: Document | None = None) -> None:
+        """Raise a dialog, made anew if it is of an earlier document and holds no work."""
         dialog = self.dialogs.get(name)
-        if dialog is None:
-            dialog = self.dialogs[name] = make()
-            dialog.destroyed.connect(lambda: self.dialogs.pop(name, None))
-            dialog.finished.connect(lambda: self.dialogs.pop(name, None))
+        is_idle = isinstance(dialog, RunDialog) and not dialog.run.has_unsaved_results
+        if dialog is not None and is_idle and self._made_for[name] is not document:
+            dialog.close()
+        dialog = self.dialogs.get(name) or self._made(name, make, document)
         dialog.show()
         dialog.raise_()
         dialog.activateWindow()
+
+    def _made(self, name: str, make: Callable[[], QDialog], document: Document | None) -> QDialog:
+        dialog = self.dialogs[name] = make()
+        self._made_for[name] = document
+
+        def forget() -> None:
+            if self.dialogs.get(name) is dialog:  # another may be open once this one is deleted
+                del self.dialogs[name]
+
+        dialog.destroyed.connect(forget)
+        dialog.finished.connect(forget)
+        return dialog

@@ -220,6 +220,11 @@ class RunBar(QWidget):
         return self._job is not None or self.command.is_running
 
     @property
+    def has_unsaved_results(self) -> bool:
+        """True while a command runs, or if its results are saved nowhere yet."""
+        return self.is_running or (self.scratch_folder is not None and self._saved is None)
+
+    @property
     def results_folder(self) -> Path:
         """Folder of the last command's results."""
         assert self.scratch_folder is not None

@@ -233,6 +233,27 @@ def test_run_controller_have_each_dialog_once(bar, dialog):
     assert bar.runs.dialogs["sweep"] is dialog
 
 
+def test_run_controller_shows_no_dialog_of_a_motion_that_has_passed(qtbot, bar, dialog):
+    bar.session.handles.move_by(MOTIONS["MOVE_X"], "0.5", 0)
+    idle(qtbot, bar)
+    bar.actions_.simulate.sweep.trigger()
+    other = bar.runs.dialogs["sweep"]
+    assert other is not dialog
+    work_off()  # the first is deleted
+    assert bar.runs.dialogs["sweep"] is other
+    assert other.isVisible()
+
+
+def test_run_controller_keeps_a_dialog_that_runs(qtbot, bar, dialog):
+    click(dialog.run.start)
+    qtbot.waitUntil(lambda: dialog.run.command.is_running)
+    bar.session.handles.move_by(MOTIONS["MOVE_X"], "0.5", 0)
+    idle(qtbot, bar)
+    bar.actions_.simulate.sweep.trigger()
+    assert bar.runs.dialogs["sweep"] is dialog
+    assert dialog.run.command.is_running
+
+
 def test_paper_dialog_cuts_off_no_word_about_the_tables_while_they_are_run(qtbot, window):
     next(action for action in window.actions_.help.values() if "tables" in action.text()).trigger()
     dialog = window.runs.dialogs["paper"]
