@@ -21,7 +21,7 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.history import HistoryEntry
 from apd_viewer.session.model.state import State
-from apd_viewer.session.model.view import View
+from apd_viewer.session.model.view import RegionImage, View
 from apd_viewer.session.processes.mailbox import Mailbox
 from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.state_store import Activity, Listener, StateStore
@@ -61,6 +61,7 @@ class Autosave:
         self._document: Document | None = None
         self._step: HistoryEntry | None = None
         self._frame: Frame | None = None
+        self._image: RegionImage | None = None
         self.interval: float | None = 0.0
 
     def start(self, folder: Path, view: Callable[[], View] = View) -> None:
@@ -90,14 +91,17 @@ class Autosave:
         shown = tuple(left for left in self._restored if left.mesh is state.document.mesh)
         for left in shown:
             left.is_restored = True
-        if self.interval is None or not self._saved_work.is_unsaved:
+        work, view = self._saved_work, self._view()
+        is_saved = not work.is_unsaved and work.is_saved_with(view.image)
+        if self.interval is None or is_saved:
             self._discard_copy()
-        elif self._is_new(state):
+        elif self._is_new(state) or view.image is not self._image:
             step = self._gestures.history.last_entry
             is_step = state.document is not self._document and step is not self._step
             self._document, self._frame, self._step = state.document, state.frame, step
+            self._image = view.image
             waits = is_step and not self.interval
-            self._writer.put(AutosaveCopy(state, self._view(), shown), _MOMENT if waits else 0.0)
+            self._writer.put(AutosaveCopy(state, view, shown), _MOMENT if waits else 0.0)
 
     def report_failures(self) -> None:
         """Report failures of the writing thread."""
@@ -111,7 +115,7 @@ class Autosave:
     def _discard_copy(self) -> None:
         if self._writer is not None and self._document is not None:
             self._writer.put(None)
-        self._document = self._frame = self._step = None
+        self._document = self._frame = self._step = self._image = None
 
     def close(self) -> None:
         """Remove the autosave file and restored recovery files on a regular exit."""

@@ -11,6 +11,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.status_text import lost_file_sentences
+from apd_viewer.session.model.view import RegionImage
 from apd_viewer.session.state_store import Listener, StateStore
 from apd_viewer.session.storage.session_file import has_mesh
 
@@ -28,12 +29,15 @@ class SavedDocument(NamedTuple):
         Whether the file has a copy of the mesh.
     title : str
         Title of an opened case or the like; empty to use the names of session and mesh.
+    image : RegionImage or None
+        Picture on a region in its session file; None without.
     """
 
     document: Document
     file: KnownFile | None = None
     embeds_mesh: bool = False
     title: str = ""
+    image: RegionImage | None = None
 
 
 class SavedWork:
@@ -92,6 +96,10 @@ class SavedWork:
             return False
         lost = last is not None and last.file is not None and last.file.state is not FileState.SAME
         return last is None or lost or last.document is not state.document
+
+    def is_saved_with(self, image: RegionImage | None) -> bool:
+        """True if the file of the displayed mesh has this picture on a region, or neither has any."""
+        return image is (None if self.last_saved is None else self.last_saved.image)
 
     # External changes to the file
 

@@ -240,7 +240,9 @@ class Workbench(QObject):
         signals.woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         signals.changed.connect(self._show)
         signals.changed.connect(self.motion_preview.follow_document)
-        signals.status_changed.connect(self.files.show_title)
+        for change in (signals.status_changed, self.region_picture.changed):
+            change.connect(self.files.show_title)
+        self.region_picture.changed.connect(self.session.autosave.follow_state)
         signals.status_changed.connect(self.target.refresh)
         signals.status_changed.connect(self._show_status)
         signals.status_changed.connect(self.motion_preview.show_requested_positions)

@@ -194,8 +194,9 @@ class FileController:
 
     @property
     def _has_unsaved_work(self) -> bool:
-        """True if the document or Wall results of its timeline are not saved."""
-        return self._session.saved_work.is_unsaved or self._session.files.unsaved_wall_count > 0
+        """True if the document, its picture or Wall results of its timeline are not saved."""
+        work, walls = self._session.saved_work, self._session.files.unsaved_wall_count
+        return work.is_unsaved or walls > 0 or not work.is_saved_with(self._view().image)
 
     def run_after_save_prompt(self, action: Callable[[], object], closes: bool = False) -> None:
         """Call ``action()`` unless the user cancels to keep unsaved work."""

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
+from weakref import ref
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -24,11 +26,24 @@ from apd_viewer.ui.tools.canvas import Canvas
 LARGEST_IMAGE = 16 << 20  # bytes of an image in a session
 
 
+class LaidPicture(NamedTuple):
+    """Picture on triangles, with its file; the texture is None until it has been read."""
+
+    triangles: ref[np.ndarray]
+    image: RegionImage
+    texture: Texture | None = None
+
+    @property
+    def is_kept(self) -> bool:
+        """True if sessions keep its file."""
+        return len(self.image.content) <= LARGEST_IMAGE
+
+
 class RegionPicture(QObject):
     """Lays a picture on the active region, and removes it.
 
-    It stays on the triangles on which it was laid, also if the region is painted anew, until another mesh is
-    opened. Sessions keep it.
+    It stays on the triangles on which it was laid, also if the region is painted anew, and comes back with
+    them when another mesh is undone. Sessions keep it.
 
     Parameters
     ----------
@@ -39,8 +54,6 @@ class RegionPicture(QObject):
     ----------
     changed : Signal(bool)
         Whether there is a picture.
-    image : RegionImage or None
-        The file for sessions; None without a picture, or with one too large.
     """
 
     changed = Signal(bool)
@@ -59,8 +72,14 @@ class RegionPicture(QObject):
         self._window, self._canvas, self._looks = window, canvas, display_options
         self._memory, self._notice = preferences, notice
         self._session, self._parts = session, parts
-        self._F: np.ndarray | None = None
-        self.image: RegionImage | None = None
+        self._laid: list[LaidPicture] = []
+        self._shown: LaidPicture | None = None
+        self._awaited: object = None  # the reading whose picture is to be shown
+
+    @property
+    def image(self) -> RegionImage | None:
+        """The file for sessions; None without a picture, or with one too large."""
+        return self._shown.image if self._shown is not None and self._shown.is_kept else None
 
     def ask_for_picture(self) -> None:
         """Ask for an image file, and lay it on the active region."""
@@ -85,18 +104,27 @@ class RegionPicture(QObject):
     def restore(self, image: RegionImage | None) -> None:
         """Lay the image of an opened session, if it has one."""
         if image is not None:
-            self._lay(self._session.store.required_state().document, image.name, lambda: image)
+            document = self._session.store.required_state().document
+            # Sessions keep it even if it cannot be read, or if reading is cancelled.
+            self._keep(document, LaidPicture(ref(document.mesh.F), image))
+            self._lay(document, image.name, lambda: image)
 
     def _lay(self, document: Document, name: str, read: Callable[[], RegionImage]) -> None:
-        mesh = document.mesh
+        mesh, reading = document.mesh, object()
+        self._awaited = reading
 
-        def work() -> tuple[Texture, RegionImage]:
+        def work() -> LaidPicture:
             image = read()
             pixels = read_picture(image.content, name)
-            return laid_picture(mesh.V, mesh.F, image.inside, image.up_axis.frame, pixels), image
+            texture = laid_picture(mesh.V, mesh.F, image.inside, image.up_axis.frame, pixels)
+            return LaidPicture(ref(mesh.F), image, texture)
 
-        title = tr("Reading {name}").format(name=name)
-        self._session.jobs.run(title, work, lambda laid: self._show(*laid, mesh.F))
+        def done(laid: LaidPicture) -> None:
+            # Another mesh may have been opened, or the picture removed in the meantime.
+            if self._awaited is reading and self._session.store.required_state().document.mesh.F is mesh.F:
+                self._show_new(laid)
+
+        self._session.jobs.run(tr("Reading {name}").format(name=name), work, done)
 
     def _region(self) -> np.ndarray | None:
         """Vertices of the active region, (n,) bool; None if it has none."""
@@ -106,27 +134,40 @@ class RegionPicture(QObject):
         inside: np.ndarray = state.document.member == self._parts.region + 1
         return inside if inside.any() else None
 
-    def _show(self, picture: Texture | None, image: RegionImage | None, F: np.ndarray | None) -> None:
-        document = self._session.store.required_state().document
-        if picture is None or document.mesh.F is F:  # no other mesh was opened in the meantime
-            is_small = image is not None and len(image.content) <= LARGEST_IMAGE
-            self._F, self._looks.picture, self.image = F, picture, image if is_small else None
-            self._canvas.coloring.hide_regions_at(None if image is None else image.inside, document)
-            self._looks.show_textures(self._looks.shows_textures)
-            self.changed.emit(picture is not None)
-            if image is not None and not is_small:
-                said = tr("{name} has more than {most} MB: it is shown here, but sessions do not keep it.")
-                self._notice.show_message(said.format(name=image.name, most=LARGEST_IMAGE >> 20))
-            elif picture is not None and self._looks.overlay.measure is not None:
-                said = tr("An overlay hides the picture; choose View > Overlay > No overlay to see it.")
-                self._notice.show_message(said)
+    def _show_new(self, laid: LaidPicture) -> None:
+        self._keep(self._session.store.required_state().document, laid)
+        if not laid.is_kept:
+            said = tr("{name} has more than {most} MB: it is shown here, but sessions do not keep it.")
+            self._notice.show_message(said.format(name=laid.image.name, most=LARGEST_IMAGE >> 20))
+        elif self._looks.overlay.measure is not None:
+            said = tr("An overlay hides the picture; choose View > Overlay > No overlay to see it.")
+            self._notice.show_message(said)
 
     def remove(self) -> None:
-        """Remove the picture."""
-        self._show(None, None, None)
+        """Remove the picture, also one that is being read."""
+        self._awaited = None
+        self._keep(self._session.store.required_state().document, None)
+
+    def _keep(self, document: Document, laid: LaidPicture | None) -> None:
+        """Show a picture in place of that on the document's mesh; None shows none."""
+        F = document.mesh.F
+        others = (each for each in self._laid if (own := each.triangles()) is not None and own is not F)
+        self._laid = [*others, *([] if laid is None else [laid])]
+        self._show(document, laid)
+
+    def _show(self, document: Document, laid: LaidPicture | None) -> None:
+        self._shown, self._looks.picture = laid, None if laid is None else laid.texture
+        is_seen = self._looks.picture is not None
+        inside = laid.image.inside if laid is not None and is_seen else None
+        self._canvas.coloring.hide_regions_at(inside, document)
+        self._looks.show_textures(self._looks.shows_textures)
+        self.changed.emit(laid is not None)
 
     def follow_document(self, document: Document) -> None:
-        """Drop the picture once another mesh is shown, before its own textures are."""
-        if self._F is not None and document.mesh.F is not self._F:
-            self._F = self._looks.picture = self.image = None
-            self.changed.emit(False)
+        """Show the picture that was laid on a mesh, once another mesh is shown."""
+        F = document.mesh.F
+        if self._shown is not None and self._shown.triangles() is F:
+            return
+        laid = next((each for each in self._laid if each.triangles() is F), None)
+        if laid is not self._shown:
+            self._show(document, laid)

@@ -3,6 +3,7 @@
 import base64
 import io
 import re
+import threading
 import time
 from dataclasses import replace
 
@@ -192,6 +193,71 @@ def test_region_picture_stays_on_a_baked_shape_and_goes_with_the_mesh(qtbot, win
     assert not remove.isEnabled()
     assert window.canvas.surface.texture is None
     assert np.ptp(seen(qtbot, window, 0.5 * PLACES), axis=1).max() < 15
+
+
+def test_region_picture_comes_back_with_its_mesh(qtbot, window, monkeypatch, tmp_path):
+    lay(qtbot, window, monkeypatch, image(tmp_path))
+    laid = window.view().image
+    window.session.files.open_mesh(Mesh(*tube(12, 6)))
+    idle(qtbot, window)
+    assert window.view().image is None
+    window.edits.undo()
+    idle(qtbot, window)
+    assert window.view().image is laid
+    check_colors(seen(qtbot, window, PLACES), COLORS)
+    window.edits.redo()
+    idle(qtbot, window)
+    assert window.canvas.surface.texture is None
+
+
+def test_region_picture_is_work_to_be_saved(qtbot, window, monkeypatch, tmp_path):
+    saved = tmp_path / "bare.apd"
+
+    def is_modified():
+        return window.shell.isWindowModified()
+
+    def save():
+        window.session.files.save(saved, window.view(), embed=True)
+        idle(qtbot, window)
+
+    save()
+    assert not is_modified()
+    lay(qtbot, window, monkeypatch, image(tmp_path))
+    assert is_modified()
+    save()
+    assert not is_modified()
+    window.actions_.display.pictures[1].trigger()
+    assert is_modified()
+    window.session.files.open(saved)
+    qtbot.waitUntil(lambda: window.canvas.surface.texture is not None)
+    assert not is_modified()
+
+
+@pytest.mark.parametrize("does", ["cancel", "remove"])
+def test_region_picture_is_kept_if_reading_is_cancelled_and_not_if_it_is_removed(
+    qtbot, window, monkeypatch, tmp_path, does
+):
+    lay(qtbot, window, monkeypatch, image(tmp_path))
+    saved, read = tmp_path / "labelled.apd", threading.Event()
+    window.session.files.save(saved, window.view(), embed=True)
+    idle(qtbot, window)
+    content = window.view().image.content
+    read_picture = region_picture.read_picture
+    monkeypatch.setattr(region_picture, "read_picture", lambda *a: read.wait() and read_picture(*a))
+    window.session.files.open(saved)
+    jobs = window.session.jobs
+    qtbot.waitUntil(lambda: jobs.current is not None and jobs.current.title.startswith("Reading"))
+    if does == "cancel":
+        jobs.cancel()
+    else:
+        window.actions_.display.pictures[1].trigger()
+    read.set()
+    idle(qtbot, window)
+    assert window.canvas.surface.texture is None
+    if does == "cancel":
+        assert window.view().image.content == content
+    else:
+        assert window.view().image is None
 
 
 def test_region_picture_asks_for_a_region_and_for_an_image(qtbot, window, monkeypatch, tmp_path):
