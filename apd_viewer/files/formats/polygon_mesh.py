@@ -115,7 +115,7 @@ def linear_to_srgb(colors: np.ndarray) -> np.ndarray:
 
 
 # Faces with more corners keep their fan triangulation.
-_MOST_TO_CLIP = 100
+_MOST_TO_CLIP = 1000
 # Limit on tested ears in total; further faces keep their fan triangulation.
 _MOST_TRIES = 100_000
 
@@ -228,6 +228,7 @@ def _is_ear(x: np.ndarray, left: np.ndarray, k: int) -> bool:
     if _side(a, b, c) <= 0.0:
         return False
     others = x[np.setdiff1d(left, own)]
+    others = others[(others[:, None] != (a, b, c)).any(axis=2).all(axis=1)]  # bridges to holes repeat corners
     inside = (_side(a, b, others) >= 0.0) & (_side(b, c, others) >= 0.0) & (_side(c, a, others) >= 0.0)
     return not inside.any()
 

@@ -65,3 +65,21 @@ def test_polygons_take_no_time_for_a_face_of_thousands_of_corners():
     rng = np.random.default_rng(0)
     V = rng.normal(size=(20_000, 3))
     assert len(Polygons.from_faces([list(range(20_000))]).triangles(V)) == 19_998
+
+
+def test_polygons_keep_the_hole_that_a_bridge_leads_to():
+    """Corners of a bridge are in two places at once, and block no ear."""
+    flat = [[0, 0], [3, 0], [3, 3], [0, 3], [0, 0], [1, 1], [1, 2], [2, 2], [2, 1], [1, 1]]
+    V = np.column_stack([flat, np.zeros(len(flat))]).astype(float)
+    T = Polygons.from_faces([range(len(V))]).triangles(V)
+    middles = V[T].mean(axis=1)[triangle_areas(V, T) > 0]
+    assert triangle_areas(V, T).sum() == pytest.approx(8)
+    assert not ((middles[:, :2] > 1) & (middles[:, :2] < 2)).all(axis=1).any()
+
+
+def test_polygons_divide_faces_of_hundreds_of_corners_without_folds():
+    teeth = np.array([[k, 3.0 * (k % 4 > 1)] for k in range(200)])
+    V = np.vstack([teeth, [[199, -1], [0, -1]]])[::-1]
+    V = np.column_stack([V, np.zeros(len(V))])
+    T = Polygons.from_faces([range(len(V))]).triangles(V)
+    assert triangle_areas(V, T).sum() == pytest.approx(np.linalg.norm(area_vector(V)))
