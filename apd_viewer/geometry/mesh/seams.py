@@ -95,7 +95,7 @@ def _joints(V: np.ndarray, edges: np.ndarray, corners: np.ndarray) -> np.ndarray
     near = SEAM_TOLERANCE * mesh_size(V, corners)
     room = np.minimum(near, MOST_EDGE_SHARE * shortest_edge_lengths(V, edges)[border])
     pairs = [np.empty((0, 2), dtype=np.int64)]  # so that arrays can be joined even without edges
-    for point, edge in _nearby_pairs(V, border, edges, near):
+    for point, edge in _nearby_pairs(V, border, edges, float(room.max(initial=0.0))):
         a, along = V[edges[edge, 0]], V[edges[edge, 1]] - V[edges[edge, 0]]
         length = np.linalg.norm(along, axis=1)
         at = np.einsum("ij,ij->i", V[border[point]] - a, along) / length

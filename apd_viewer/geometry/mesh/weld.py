@@ -191,10 +191,12 @@ def _representatives_across_cracks(
         return None
     from scipy.spatial import KDTree  # imported here: slow, and most meshes have no cracks
 
-    border = np.unique(edges)
-    pairs = border[KDTree(V[border]).query_pairs(tolerance * mesh_size(V, corners), output_type="ndarray")]
+    border, most = np.unique(edges), MOST_EDGE_SHARE * shortest_edge_lengths(V, edges)
+    # A far part makes the mesh large, and all vertices of a small one would be near each other.
+    reach = min(tolerance * mesh_size(V, corners), float(most[border].max()))
+    pairs = border[KDTree(V[border]).query_pairs(reach, output_type="ndarray")]
     gap = np.linalg.norm(V[pairs[:, 0]] - V[pairs[:, 1]], axis=1)
-    room = MOST_EDGE_SHARE * shortest_edge_lengths(V, edges)[pairs].min(axis=1)
+    room = most[pairs].min(axis=1)
     pairs, gap = pairs[gap <= room], gap[gap <= room]
     if not len(pairs):
         return None

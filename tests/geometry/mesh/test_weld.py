@@ -1,12 +1,14 @@
 """Vertices of the file and vertices of the solve: seams, cracks, and what belongs to no face."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from meshes import box, grid, rotation, soup
 
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.weld import WELD_TOLERANCE, Weld
+from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, WELD_TOLERANCE, Weld
 from apd_viewer.geometry.solver.deformation import Deformation
 
 V, F = box(3, 3, 9)
@@ -122,3 +124,19 @@ def test_weld_tells_positions_with_equal_keys_apart():
     assert len(weld.first) == 40
     np.testing.assert_array_equal(V[weld.representative], V)
     assert (weld.representative <= np.arange(len(V))).all()
+
+
+def test_weld_compares_no_more_vertices_beside_a_far_part():
+    """Every vertex of a small part is within the tolerance of all others there."""
+    corners = np.random.default_rng(0).uniform(size=(20_000, 1, 3))
+    loose = corners + [[[0, 0, 0], [1e-3, 0, 0], [0, 1e-3, 0]]]
+    far = [[[1e6, 0, 0], [1e6 + 1e-3, 0, 0], [1e6, 1e-3, 0]]]
+    V = np.concatenate([loose, far]).reshape(-1, 3)
+    F = np.arange(len(V)).reshape(-1, 3)
+    tracemalloc.start()
+    try:
+        Weld.from_positions(V, F, SEAM_TOLERANCE)
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert most < 200e6
