@@ -65,11 +65,30 @@ def hull_readings(points: np.ndarray) -> HullReadings:
     points = points - local_origin(points)
     hull = convex_hull(points)
     if hull is None:  # a flat shape has no box volume, whatever its orientation
-        centred = points - points.mean(axis=0)
-        along = centred @ np.linalg.svd(centred, full_matrices=False)[2].T
-        _, b, c = np.sort(np.ptp(along, axis=0)).tolist()
-        return HullReadings(0.0, 0.0, (0.0, b, c))
+        return HullReadings(0.0, 0.0, (0.0, *_smallest_rectangle(points)))
     return HullReadings(hull.volume, minimum_width(hull), smallest_box(hull.corners))
+
+
+def _smallest_rectangle(points: np.ndarray) -> tuple[float, float]:
+    """Sides of the smallest rectangle around points (k, 3) of a plane, shorter first.
+
+    One of its sides contains an edge of the convex hull [Freeman & Shapira 1975].
+    """
+    # Imported here: scipy would delay the first picture, and few runs need a convex hull.
+    from scipy.spatial import ConvexHull as Qhull, QhullError
+
+    centred = points - points.mean(axis=0)
+    flat = centred @ np.linalg.svd(np.vstack([centred, np.zeros((3, 3))]), full_matrices=False)[2][:2].T
+    try:
+        corners = flat[Qhull(flat).vertices]
+    except QhullError:  # all on a line, or in one place
+        return 0.0, float(np.ptp(flat[:, 0]))
+    along = np.roll(corners, -1, axis=0) - corners
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    across = np.column_stack([-along[:, 1], along[:, 0]])
+    sides = np.column_stack([np.ptp(each @ corners.T, axis=1) for each in (along, across)])
+    a, b = np.sort(sides[np.argmin(sides.prod(axis=1))]).tolist()
+    return a, b
 
 
 _PORTION = 1 << 22  # direction-corner products per batch

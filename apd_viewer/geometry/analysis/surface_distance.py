@@ -54,7 +54,8 @@ def distance_summary(distances: np.ndarray, U: np.ndarray, F: np.ndarray) -> Sur
     """
     on = used_vertices(F)
     distances, area = distances[on], vertex_areas(U, F)[on]
-    mean, square = (float(np.average(x, weights=area)) for x in (distances, distances**2))
+    weights = area if area.any() else None  # a target may consist of lines
+    mean, square = (float(np.average(x, weights=weights)) for x in (distances, distances**2))
     return SurfaceDistance(float(distances.max()), square**0.5, mean)
 
 

@@ -17,6 +17,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, point_positions
 from apd_viewer.geometry.mesh.arrays import mesh_arrays
 from apd_viewer.geometry.mesh.edges_and_components import opposite_half_edges, vertex_components
+from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.language import tr
 
 # Barycentric distance at which a point counts as a corner: slivers around it would spoil the angles.
@@ -62,6 +63,7 @@ def geodesic_path(
     places = [p if isinstance(p, SurfacePoint) else SurfacePoint.at_vertex(F, p) for p in (start, end)]
     for point in places:
         point.check(F)
+    F = Weld.from_positions(V, F).representative[F]  # coincident vertices are one place
     ends = point_positions(places, V, F)
     faces = [place.face for place in places]
     if faces[0] == faces[1] or np.array_equal(*ends):

@@ -7,6 +7,7 @@ import numpy as np
 from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.arrays import checked_direction, checked_point, mesh_arrays
 from apd_viewer.geometry.mesh.edges_and_components import vertex_components
+from apd_viewer.geometry.mesh.weld import Weld
 
 
 class PlaneSection(NamedTuple):
@@ -71,13 +72,16 @@ def plane_section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.nd
     >>> cut.contours, f"{cut.length:.2f}", f"{cut.area:.2f}", f"{cut.volume_below:.1f}"
     (1, '19.61', '30.59', '286.1')
     """
-    return section(*mesh_arrays(V, F), checked_point(point), checked_direction(normal))
+    V, F = mesh_arrays(V, F)
+    seamless = Weld.from_positions(V, F).representative[F]  # coincident vertices are one place
+    return section(V, seamless, checked_point(point), checked_direction(normal))
 
 
 def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray) -> PlaneSection:
     """Section of validated arrays by a plane with a unit normal."""
     height = V @ normal - float(np.dot(point, normal))
     faces = _crossed_triangles(height, F)
+    faces = faces[(F[faces] != np.roll(F[faces], 1, axis=1)).all(axis=1)]
     above = (height >= 0.0)[F[faces]]
     below = abs(volume_below(V, F, height, normal)) if is_closed_below(F, height) else float("nan")
     if not len(faces):
@@ -87,7 +91,6 @@ def section(V: np.ndarray, F: np.ndarray, point: np.ndarray, normal: np.ndarray)
     share = height[crossed[:, 0]] / (height[crossed[:, 0]] - height[crossed[:, 1]])
     points = V[crossed[:, 0]] + share[:, None] * (V[crossed[:, 1]] - V[crossed[:, 0]])
     ends = ends.reshape(2, -1).T
-    faces, ends = faces[ends[:, 0] != ends[:, 1]], ends[ends[:, 0] != ends[:, 1]]
     segments, number = points[ends], vertex_components(ends[:, [0, 1, 1]], len(points))
     length = float(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum())
     return PlaneSection(

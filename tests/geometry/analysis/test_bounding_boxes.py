@@ -54,3 +54,23 @@ def test_compactness_is_greatest_of_a_ball():
     V, F = meshes.sphere(4)
     assert 0.99 < compactness(volume(V, F), area(V, F)) < 1.0
     assert compactness(4 / 3 * np.pi * 7**3, 4 * np.pi * 7**2) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("turn", range(3))
+@pytest.mark.parametrize(
+    ("points", "sides"),
+    [
+        ([[0, 0, 0], [4, 0, 0], [0, 3, 0]], (0, 12 / 5, 5)),
+        ([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [1.9, 0.1, 0]], (0, 2, 2)),
+        ([[0, 0, 0], [1, 0, 0], [3, 0, 0]], (0, 0, 3)),
+        ([[0, 0, 0], [3, 0, 0]], (0, 0, 3)),
+        ([[1, 1, 1], [1, 1, 1], [1, 1, 1]], (0, 0, 0)),
+    ],
+    ids=["triangle", "square", "line", "two points", "one place"],
+)
+def test_hull_readings_find_the_smallest_rectangle_around_a_flat_shape(points, sides, turn):
+    rng = np.random.default_rng(turn)
+    R = meshes.rotation(rng.normal(size=3), rng.uniform(0, np.pi))
+    found = hull_readings(np.array(points, dtype=float) @ R.T + [50, 0, -7])
+    assert found.sides == pytest.approx(sides, abs=1e-12)
+    assert found.volume == found.width == 0.0

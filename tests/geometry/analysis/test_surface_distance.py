@@ -41,3 +41,10 @@ def test_surface_distance_of_a_shifted_box_is_as_far_as_it_was_shifted():
 def test_surface_distance_does_not_count_a_loose_vertex():
     V, F = sphere(2)
     assert surface_distance(np.vstack([V, [[9.0, 9.0, 9.0]]]), F, V, F).largest < 1e-12
+
+
+def test_surface_distance_takes_a_line_for_a_target():
+    V, F = box(1, 1, 1)
+    line = np.array([[0, 0, 3], [0.5, 0, 3], [1, 0, 3.0]])
+    found = surface_distance(line, np.array([[0, 1, 2]]), V, F)
+    assert found == pytest.approx((2, 2, 2))

@@ -3,7 +3,7 @@
 import igl
 import numpy as np
 import pytest
-from meshes import box, grid, sphere
+from meshes import box, grid, soup, sphere
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.measuring.geodesics import geodesic_path, path_length
@@ -152,3 +152,11 @@ def test_geodesic_path_refuses_separate_parts_in_a_sentence():
     two = np.vstack([V, V + [5.0, 0.0, 0.0]])
     with pytest.raises(InputError, match="separate parts"):
         geodesic_path(two, np.vstack([F, F + 4]), 0, 5)
+
+
+def test_geodesic_path_crosses_the_seams_of_a_soup():
+    V, F = box(2, 2, 2)
+    W, G = soup(V, F)
+    far = np.flatnonzero((W == 2.0).all(axis=1))
+    start = np.flatnonzero((W == 0.0).all(axis=1))[0]
+    assert path_length(geodesic_path(W, G, int(start), int(far[-1]))) == pytest.approx(20**0.5)

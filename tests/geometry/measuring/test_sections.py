@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from meshes import box, grid, sphere
+from meshes import box, grid, soup, sphere
 
 from apd_viewer.geometry.measuring.sections import plane_section
 
@@ -107,3 +107,16 @@ def test_plane_section_has_the_volume_below_where_the_surface_is_closed_there():
     flipped = F.copy()
     flipped[0] = flipped[0][::-1]
     assert np.isnan([plane_section(V, flipped, at, way).volume_below for way in (up, -up)]).any()
+
+
+def test_plane_section_joins_the_triangles_of_a_soup():
+    V, F = box(2, 2, 2)
+    whole, loose = (plane_section(*mesh, (1, 1, 0.5), (0, 0, 1)) for mesh in ((V, F), soup(V, F)))
+    assert loose.contours == whole.contours == 1
+    assert (loose.length, loose.area, loose.volume_below) == pytest.approx((8, 4, 2))
+
+
+def test_plane_section_leaves_out_faces_with_a_corner_twice():
+    V = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 2], [0, 1, 2.0]])
+    cut = plane_section(V, np.array([[0, 1, 1], [1, 2, 3]]), (0, 0, 0.5), (0, 0, 1))
+    assert (cut.contours, cut.length, len(cut.faces)) == (0, 0.0, 0)
