@@ -47,7 +47,10 @@ def _info(options: argparse.Namespace) -> CommandOutput:
         apart = target_distance_fields(TargetShape(open_mesh(options.compare)), mesh, mesh.V)
     lines = _description(mesh, found, check)
     lines += [_distance_text(apart)] if apart else []
-    lines += [finding.sentence for finding in all_found] or [tr("No issues found.")]
+    sentences = [finding.sentence for finding in all_found]
+    if check.crossing is None:
+        sentences.append(tr("self-intersections: not checked"))
+    lines += sentences or [tr("No issues found.")]
 
     def report() -> dict[str, Any]:
         told: dict[str, Any] = {"mesh": str(options.mesh), "unit": mesh.unit or None}

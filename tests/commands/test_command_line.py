@@ -19,6 +19,7 @@ from apd_viewer.commands import deform_command, result_output
 from apd_viewer.commands.replay_command import replay_session
 from apd_viewer.files.mesh_writing import WRITABLE_FORMATS, save_mesh
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.analysis import shape_check
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.arrays import frozen
@@ -792,6 +793,13 @@ def test_info_describes_a_mesh_for_people(bar, command):
     assert re.search(r"(?m)^area +48$", out)
     assert re.search(r"(?m)^volume +20$", out)
     assert "No issues" in out
+
+
+def test_info_says_that_intersections_are_not_known(bar, command, monkeypatch):
+    monkeypatch.setattr(shape_check, "crossings", lambda *_: None)
+    out = command("info", bar.mesh)[1]
+    assert "self-intersections: not checked" in out
+    assert "No issues" not in out
 
 
 def test_info_tells_everything_that_can_be_found_on_a_mesh(tmp_path, command):

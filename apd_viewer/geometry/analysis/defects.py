@@ -57,9 +57,13 @@ def defects(F: np.ndarray, opposite: np.ndarray) -> Defects:
 
 
 def _minority_triangles(face: np.ndarray, side: np.ndarray) -> np.ndarray:
-    """Triangles of the minority orientation within their connected component."""
+    """Triangles of the minority orientation within their connected component.
+
+    Of two halves it is the one without the first triangle.
+    """
     count = np.bincount(2 * face + side, minlength=2 * len(face)).reshape(-1, 2)
-    return np.flatnonzero(count[face, side] < count[face, 1 - side])
+    own, other = count[face, side], count[face, 1 - side]
+    return np.flatnonzero((own < other) | ((own == other) & (side == 1)))
 
 
 @njit(cache=True, nogil=True)

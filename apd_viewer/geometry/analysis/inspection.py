@@ -10,17 +10,18 @@ from apd_viewer.geometry.analysis.mesh_findings import (
     component_findings,
     face_findings,
     file_findings,
+    nesting_findings,
     orientation_findings,
     size_findings,
     topology_findings,
     vertex_findings,
 )
 from apd_viewer.geometry.analysis.shape_check import double_wall_findings, seam_findings
-from apd_viewer.geometry.mesh.arrays import extents
+from apd_viewer.geometry.mesh.arrays import extents, used_vertices
 from apd_viewer.geometry.mesh.edges_and_components import missing_volume_reason, vertex_components
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.operators import face_areas, volume
+from apd_viewer.geometry.mesh.operators import encloses_nothing, face_areas, volume
 from apd_viewer.language import tr
 
 
@@ -72,16 +73,19 @@ def inspect(mesh: Mesh) -> Inspection:
     why = missing_volume_reason(F, opposite)
     caps = Caps.from_triangles(F, opposite) if why else None
     capped = capped_volume(caps, mesh.V[first], F)
-    inside = None if why else volume(mesh.V, mesh.F)
     areas = face_areas(mesh.V, mesh.F)
+    area = float(areas.sum())
+    inside = None if why else volume(mesh.V[first], F)
+    if inside is not None and encloses_nothing(inside, area):
+        inside = 0.0
     piece = vertex_components(F, len(first))
     wall = None if inside is None else double_wall(mesh.V[first], F, piece[F[:, 0]], areas, inside)
-    dx, dy, dz = (float(extent) for extent in extents(mesh.V))
+    dx, dy, dz = (float(extent) for extent in extents(mesh.V[used_vertices(mesh.F)]))
     return Inspection(
         vertices=len(mesh.V),
         faces=len(mesh.F),
         components=int(np.count_nonzero(np.bincount(piece[F[:, 0]]))),
-        area=float(areas.sum()),
+        area=area,
         volume=inside,
         missing_volume_reason=why,
         volume_capped=capped,
@@ -95,7 +99,8 @@ def inspect(mesh: Mesh) -> Inspection:
             *topology_findings(mesh, F),
             *(seam_findings(mesh) if why else ()),  # a closed surface has no open seams
             *double_wall_findings(wall),
-            *orientation_findings(capped if why else inside, float(areas.sum())),
+            *orientation_findings(capped if why else inside, area),
+            *(() if why else nesting_findings(mesh, F, piece[F[:, 0]], areas)),
             *component_findings(mesh, F, piece),
             *size_findings(mesh),
         ),

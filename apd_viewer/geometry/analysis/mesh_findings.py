@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.geometry.analysis.defects import defects
-from apd_viewer.geometry.mesh.arrays import diagonal, frozen, used_vertices
+from apd_viewer.geometry.mesh.arrays import bounding_box, diagonal, frozen, used_vertices
 from apd_viewer.geometry.mesh.edges_and_components import opposite_half_edges
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.operators import aspect_ratios
+from apd_viewer.geometry.mesh.operators import aspect_ratios, encloses_nothing, face_volumes
 from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, WELD_TOLERANCE
 from apd_viewer.language import tr, trn
 
@@ -27,8 +27,8 @@ _THIN, _THIN_SHARE = 10.0, 0.05
 # Mesh sizes outside this range suggest a wrong unit, whatever the unit.
 _TINY, _HUGE = 1e-3, 1e6
 
-# For a surface of unit area, the sign of a smaller volume is determined by rounding.
-_ROUNDING = 1e-9
+# Most parts, and triangles around one of them in sum, for which nesting is examined.
+_MOST_PARTS, _MOST_WINDINGS = 2000, 20_000_000
 
 # At this many mesh sizes from the origin, single precision has lost three digits.
 _FAR = 1e3
@@ -186,9 +186,81 @@ def topology_findings(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
 
 def orientation_findings(signed_volume: float | None, area: float) -> Iterator[Finding]:
     """Finding about a negative ``signed_volume``, unless it is within rounding."""
-    if signed_volume is not None and signed_volume < -_ROUNDING * area**1.5:
+    if signed_volume is not None and signed_volume < 0.0 and not encloses_nothing(signed_volume, area):
         sentence = tr("The surface is inside out: its faces point inwards, and its volume is negative.")
         yield Finding.at_vertices("inside out", sentence)
+
+
+def nesting_findings(
+    mesh: Mesh, F: np.ndarray, component: np.ndarray, areas: np.ndarray
+) -> Iterator[Finding]:
+    """Findings about parts of a closed surface whose volumes are added with the wrong sign.
+
+    A part inside an even number of others should face as the largest one does, and any other as a cavity.
+
+    Parameters
+    ----------
+    F : (m, 3) int array
+        Welded triangles.
+    component : (m,) int array
+        Connected component of each triangle.
+    areas : (m,) float array
+        Of the triangles.
+    """
+    first = mesh.weld.first
+    V, size = mesh.V[first], np.bincount(component, areas)
+    inside = np.bincount(component, face_volumes(V, F))
+    solid = np.flatnonzero([not encloses_nothing(*each) for each in zip(inside, size, strict=True)])
+    if not 1 < len(solid) <= _MOST_PARTS:
+        return
+    parts = [F[component == each] for each in solid]
+    depth = _nesting_depths(V, parts)
+    if depth is None:
+        return
+    signs = np.sign(inside[solid])
+    largest = int(np.abs(inside[solid]).argmax())
+    wrong = signs * (-1.0) ** depth != signs[largest] * (-1.0) ** depth[largest]
+    outer, nested = (np.flatnonzero(wrong & (depth % 2 == odd)) for odd in (0, 1))
+    if n := len(outer):
+        sentence = trn(
+            "{n:,} closed part is inside out: its volume is subtracted.",
+            "{n:,} closed parts are inside out: their volume is subtracted.",
+            n,
+        ).format(n=n)
+        yield Finding.at_vertices("parts inside out", sentence, mesh.F[np.isin(component, solid[outer])])
+    if n := len(nested):
+        sentence = trn(
+            "{n:,} closed part lies inside another and faces the same way: its volume counts twice.",
+            "{n:,} closed parts lie inside others and face the same way: their volume counts twice.",
+            n,
+        ).format(n=n)
+        yield Finding.at_vertices("parts counted twice", sentence, mesh.F[np.isin(component, solid[nested])])
+
+
+def _nesting_depths(V: np.ndarray, parts: list[np.ndarray]) -> np.ndarray | None:
+    """Number of other closed parts around each; None if that takes too long."""
+    boxes = [bounding_box(V[part.ravel()]) for part in parts]
+    pairs = [
+        (k, other)
+        for k, (low, high) in enumerate(boxes)
+        for other, (least, most) in enumerate(boxes)
+        if k != other and (least <= low).all() and (high <= most).all()
+    ]
+    if sum(len(parts[other]) for _, other in pairs) > _MOST_WINDINGS:
+        return None
+    depth = np.zeros(len(parts), dtype=np.int64)
+    for k, other in pairs:
+        depth[k] += abs(_winding_number(V, parts[other], V[parts[k][0, 0]])) > 0.5
+    return depth
+
+
+def _winding_number(V: np.ndarray, F: np.ndarray, point: np.ndarray) -> float:
+    """Winding number of a closed surface about a point [Van Oosterom & Strackee 1983]."""
+    a, b, c = (V[F] - point).transpose(1, 0, 2)
+    x, y, z = (np.linalg.norm(each, axis=1) for each in (a, b, c))
+    ab, bc, ca = (np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a)))
+    triple = np.einsum("ij,ij->i", a, np.cross(b, c))
+    return float(np.arctan2(triple, x * y * z + ab * z + bc * x + ca * y).sum()) / (2.0 * np.pi)
 
 
 def component_findings(mesh: Mesh, F: np.ndarray, component: np.ndarray) -> Iterator[Finding]:

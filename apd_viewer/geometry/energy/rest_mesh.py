@@ -15,7 +15,7 @@ from apd_viewer.geometry.mesh.arrays import diagonal, frozen, local_origin, mesh
 from apd_viewer.geometry.mesh.decimation import Decimation
 from apd_viewer.geometry.mesh.edges_and_components import missing_volume_reason, opposite_half_edges
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
-from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.mesh.operators import encloses_nothing, face_areas
 from apd_viewer.geometry.mesh.seams import Seams
 from apd_viewer.geometry.mesh.weighted_areas import SLIVER, edge_lengths, shape_readings
 from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE, Weld
@@ -121,9 +121,10 @@ class RestMesh:
 
     @cached_property
     def volume(self) -> float | None:
-        """Enclosed volume of the rest shape; None if the mesh is not closed."""
+        """Enclosed volume of the rest shape, 0 if flat; None if the mesh is not closed."""
         with cores_for(len(self.solve_mesh.V)):
-            return self.measure(self.solve_mesh.V).volume
+            found = self.measure(self.solve_mesh.V).volume
+        return 0.0 if found is not None and encloses_nothing(found, self.area) else found
 
     @cached_property
     def caps(self) -> Caps | None:

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import frozen, mesh_size
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.edges_and_components import (
     boundary_edges,
     edge_defect_counts,
     vertex_components,
 )
-from apd_viewer.geometry.mesh.operators import volume
+from apd_viewer.geometry.mesh.operators import encloses_nothing, face_areas, volume
 
-# Fraction of the cubed diagonal: a smaller volume is the rounding error of a flat sheet.
-_FLAT = 1e-9
 # Least mean depth below the caps (volume over their area), over the root of their area. A sheet that is
 # nearly flat has less: it holds nothing, and its volume would only be that of its hems and waves. A vessel
 # has more: a hemisphere 0.38, a tray 0.05 times as deep as it is wide 0.05, a long tube ever more.
@@ -108,5 +106,5 @@ def capped_volume(caps: Caps | None, U: np.ndarray, F: np.ndarray) -> float | No
     if caps is None:
         return None
     inside = volume(U, F) + caps.volume(U, U[F[0, 0]])
-    least = max(_FLAT * mesh_size(U, F) ** 3, _SHALLOW * caps.area(U) ** 1.5)
-    return inside if abs(inside) > least else None
+    is_sheet = abs(inside) <= _SHALLOW * caps.area(U) ** 1.5
+    return None if is_sheet or encloses_nothing(inside, float(face_areas(U, F).sum())) else inside

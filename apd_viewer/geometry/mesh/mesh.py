@@ -21,6 +21,7 @@ from apd_viewer.geometry.mesh.arrays import (
     extents,
     frozen,
     mesh_size,
+    used_vertices,
 )
 from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.texture import Texture
@@ -237,8 +238,9 @@ class Mesh:
     @property
     def named_lengths(self) -> dict[str, float]:
         """Lengths by name, mesh units: box sides X, Y, Z, longest side L, diagonal D."""
-        sides = dict(zip("XYZ", extents(self.V).tolist(), strict=True))
-        return {**sides, "L": max(sides.values()), "D": diagonal(self.V)}
+        used = self.V[used_vertices(self.F)]
+        sides = dict(zip("XYZ", extents(used).tolist(), strict=True))
+        return {**sides, "L": max(sides.values()), "D": diagonal(used)}
 
     @cached_property
     def digest(self) -> str:

@@ -11,6 +11,8 @@ from apd_viewer.geometry.linalg.kernels import njit
 from apd_viewer.geometry.mesh.edges_and_components import boundary_vertices, join
 from apd_viewer.geometry.mesh.weighted_areas import Patch
 
+_NO_VOLUME = 1e-9  # of a surface of unit area: a smaller volume is rounding errors
+
 
 def vertex_neighbours(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     """One-ring of every vertex as a compressed sparse row graph.
@@ -79,8 +81,18 @@ def volume(U: np.ndarray, F: np.ndarray) -> float:
 
     Without meaning for a surface that is not closed: see :func:`.missing_volume_reason`.
     """
+    return float(face_volumes(U, F).sum())
+
+
+def face_volumes(U: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Signed volumes (m,) between a corner of the surface and each triangle, cubic mesh units."""
     # Measured from a vertex of the surface: far from the origin, the sum would lose digits to cancellation.
-    return float(_signed_volumes(U, F, U[F[0, 0]]).sum())
+    return _signed_volumes(U, F, U[F[0, 0]])
+
+
+def encloses_nothing(volume: float, area: float) -> bool:
+    """True for a volume within the rounding of a surface of that area."""
+    return bool(abs(volume) <= _NO_VOLUME * area**1.5)
 
 
 @njit(cache=True, nogil=True)

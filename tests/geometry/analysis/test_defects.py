@@ -58,6 +58,14 @@ def test_defects_take_the_fewer_for_flipped(mesh, share):
     assert not found.is_non_orientable
 
 
+@pytest.mark.parametrize("mesh", [box(3, 2, 4), sphere(2), tube(12, 5), grid(4, 3)])
+def test_defects_take_the_half_without_the_first_face_for_flipped(mesh):
+    F = mesh[1].copy()
+    half = np.arange(len(F) // 2, 2 * (len(F) // 2))
+    F[half] = F[half][:, ::-1]
+    assert np.array_equal(defects_of(F).flipped_faces, half)
+
+
 def test_defects_judge_pieces_by_themselves():
     F, n = sphere(1)[1], len(sphere(1)[0])
     both = np.vstack([F, F[:, ::-1] + n])

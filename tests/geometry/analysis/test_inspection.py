@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from meshes import box, grid, soup, tube
+from meshes import box, grid, rotation, soup, tube
 
 from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 
@@ -65,3 +66,58 @@ def test_inspect_says_first_what_the_file_is_remarked_for_and_it_stays_with_the_
         first, border = inspect(same).findings
         assert (first.kind, first.sentence, len(first.vertices)) == ("file", "Beams were not read.", 0)
         assert border.kind == "open borders"
+
+
+def boxes(*parts):
+    """Boxes by their length, corner and whether they face inwards, as one mesh."""
+    meshes, count = [], 0
+    for length, corner, inwards in parts:
+        V, F = box(2, 2, 2)
+        meshes.append((0.5 * length * V + corner, (F[:, ::-1] if inwards else F) + count))
+        count += len(V)
+    return tuple(map(np.vstack, zip(*meshes, strict=True)))
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize(
+    ("parts", "volume", "kind"),
+    [
+        ([(2, 0, False), (1, 5, False)], 9, None),
+        ([(2, 0, False), (1, 5, True)], 7, "parts inside out"),
+        ([(2, 0, False), (1, 0.5, True)], 7, None),
+        ([(2, 0, False), (1, 0.5, False)], 9, "parts counted twice"),
+        ([(4, 0, False), (2, 1, True), (1, 1.5, False)], 57, None),
+        ([(4, 0, False), (2, 1, True), (1, 1.5, True)], 55, "parts inside out"),
+    ],
+)
+def test_inspect_tells_of_parts_whose_volumes_are_added_with_the_wrong_sign(parts, volume, kind, mirrored):
+    V, F = boxes(*parts)
+    found = inspect(Mesh(V, F[:, ::-1] if mirrored else F))
+    assert found.volume == pytest.approx(-volume if mirrored else volume)
+    told = {finding.kind for finding in found.findings} & {"parts inside out", "parts counted twice"}
+    assert told == ({kind} if kind else set())
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_inspect_finds_no_volume_in_an_envelope_however_it_lies(seed):
+    rng = np.random.default_rng(seed)
+    V = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) @ rotation(rng.normal(size=3), 1.0).T
+    F = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    mesh = Mesh(V + rng.normal(size=3), F)
+    assert inspect(mesh).volume == 0.0
+    assert RestMesh(mesh.V, mesh.F).volume == 0.0
+
+
+def test_inspect_says_why_a_surface_has_no_volume():
+    """Half of its faces are flipped, so that neither half is the smaller one."""
+    V = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    found = inspect(Mesh(V, np.array([[0, 2, 1], [0, 1, 3], [0, 2, 3], [1, 3, 2]])))
+    assert found.missing_volume_reason == "the faces are not consistently oriented"
+    assert [finding.kind for finding in found.findings] == ["flipped faces"]
+
+
+def test_inspect_measures_what_has_faces():
+    V, F = box(1, 1, 1)
+    mesh = Mesh(np.vstack([V, [[1000.0, 0.0, 0.0]]]), F)
+    assert inspect(mesh).size == (1.0, 1.0, 1.0)
+    assert mesh.named_lengths["L"] == 1.0
