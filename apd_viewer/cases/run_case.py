@@ -299,7 +299,9 @@ def _result(case: StudyCase, computed: Case, steps: list[CaseStep], started: flo
         _warning_sentences(case, computed, steps),
         {name: _number(value) for name, value in readings.items()},
     )
-    return CaseResult(case.key, case.to_json, DONE, *told, curves, frame_to_json(frame), frame.U)
+    return CaseResult(
+        case.key, case.to_json, DONE, *told, curves, frame_to_json(frame, len(frame.shifts)), frame.U
+    )
 
 
 def _number(value: Any) -> float | None:

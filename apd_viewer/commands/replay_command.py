@@ -40,6 +40,7 @@ from apd_viewer.session.model.status_text import missing_target_sentence
 from apd_viewer.session.model.up_axis import mesh_up_axis
 from apd_viewer.session.model.view import SESSION_SUFFIX, View
 from apd_viewer.session.processes.document_deformation import deformation_of, document_iteration
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
 
 # Largest number of shapes in an animation, for a length of ten seconds.
@@ -78,9 +79,11 @@ def _replay(options: argparse.Namespace) -> CommandOutput:
         mesh = document.mesh
         painted = document.labels, document.member
         result_output.write_scalar_files(beside, options, mesh, result.U, *painted, document.target_shape)
+        _, view = open_session(options.session)
         if shapes is not None:
-            _write_animations(options.animation, document, open_session(options.session)[1], shapes, beside)
-        written = save_mesh(mesh, result.U, output)
+            _write_animations(options.animation, document, view, shapes, beside)
+        unit = Unit(view.unit)
+        written = save_mesh(mesh, result.U, output, mesh.unit if unit.is_guess else unit.symbol)
     lines = [result_output.result_summary(mesh, result, output, written)]
     lines += [missing] if (missing := missing_target_sentence(document)) else []
     report = partial(report_fields, mesh, result, document.target_shape)

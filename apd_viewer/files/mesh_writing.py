@@ -33,6 +33,7 @@ from apd_viewer.language import tr
 from apd_viewer.notation import METRES
 
 _ROUNDING = 1e-4  # tolerance of the file read back, relative to the size of the shape
+_SINGLE = 2.0**-23  # relative rounding of single precision
 
 
 def check_mesh_path(path: str | Path) -> Path:
@@ -58,6 +59,8 @@ def check_mesh_path(path: str | Path) -> Path:
 
 def check_writable(path: Path) -> None:
     """Raise InputError unless ``path`` can be a file or stream in an existing folder."""
+    if "\0" in str(path):
+        raise InputError(tr("A file name has no null character; choose another."))
     check_writing(path)
     if is_circular_link(path):
         raise InputError(
@@ -208,7 +211,10 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path, unit: str | None = No
         raise
     except ValueError:
         V, F = U[:0], mesh.F[:0]
-    if not _is_same_shape(V, F, mesh, U):
+    rounding = _ROUNDING * float(np.ptp(U, axis=0).max())
+    if mesh.origin is not None and mesh.origin.suffix == path.suffix.lower():
+        rounding = max(rounding, _SINGLE * largest_coordinate(U))  # as coarse as the file was
+    if not _is_same_shape(V, F, mesh, U, rounding):
         raise InputError(
             tr("{name} cannot store this shape accurately; choose another format.").format(name=path.name)
         )
@@ -223,12 +229,12 @@ def _metre_factor(mesh: Mesh, path: Path, unit: str) -> float:
     return METRES.get(unit, 1.0) if is_new and MESH_FORMATS[path.suffix.lower()].is_in_metres else 1.0
 
 
-def _is_same_shape(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
-    """True if the file read back matches ``mesh`` at ``U``, up to vertex numbering."""
+def _is_same_shape(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray, rounding: float) -> bool:
+    """True if the file read back is ``mesh`` at ``U``, in any order of vertices."""
     if len(F) != len(mesh.F):
         return False
-    there, here = (V, U) if V.shape == U.shape else (V[F], U[mesh.F])
-    rounding = _ROUNDING * max(largest_coordinate(U), float(np.ptp(U, axis=0).max()))
+    is_same_order = V.shape == U.shape and np.array_equal(F, mesh.F)
+    there, here = (V, U) if is_same_order else (V[F], U[mesh.F])
     return bool(np.abs(there - here).max() <= rounding)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_formats import MESH_FORMATS, WriteSupport
 from apd_viewer.geometry.energy.wall_map import WallMap
 from apd_viewer.geometry.mesh.mesh import BakedOrigin
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -104,8 +105,10 @@ def _check(document: Document) -> None:
 
 
 def _target(document: Document) -> str:
-    suffix = document.mesh.path.suffix if document.mesh.path else ""
-    return f"{document.mesh.stem}-deformed{suffix}"
+    suffix = document.mesh.path.suffix.lower() if document.mesh.path else ""
+    kind = MESH_FORMATS.get(suffix)
+    is_written = kind is not None and kind.writing is not WriteSupport.NONE
+    return f"{document.mesh.stem}-deformed{suffix if is_written else '.obj'}"
 
 
 def _assignment_lines(name: str, value: str) -> list[str]:

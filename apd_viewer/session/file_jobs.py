@@ -113,14 +113,15 @@ class FileJobs:
         edge : float
             Edge length, mesh units.
         """
-        mesh = self._store.required_state().document.mesh
+        mesh, unit = self._store.required_state().document.mesh, self._store.unit
+        known = mesh.unit if unit.is_guess else unit.symbol
 
         def load() -> OpenedFile:
             # Imported here for the same reason.
             from apd_viewer.files.formats.cad import even_triangles
 
             V, F, _ = even_triangles(mesh.V, mesh.joined_F, edge)
-            save_mesh(Mesh(V, F, path, unit=mesh.unit), V, check_mesh_path(path))
+            save_mesh(Mesh(V, F, path, unit=known), V, check_mesh_path(path))
             return _opened_mesh(path)
 
         self.open_result(path.name, load)

@@ -98,7 +98,7 @@ class SavedWork:
         return last is None or lost or last.document is not state.document
 
     def is_saved_with(self, image: RegionImage | None) -> bool:
-        """True if the file of the displayed mesh has this picture on a region, or neither has any."""
+        """True if the displayed mesh is saved with this picture on a region, or None."""
         return image is (None if self.last_saved is None else self.last_saved.image)
 
     # External changes to the file

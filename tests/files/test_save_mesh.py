@@ -72,6 +72,31 @@ def test_save_mesh_writes_positions_that_are_all_zero(suffix, tmp_path):
     assert (open_mesh(tmp_path / f"out{suffix}").V == 0).all()
 
 
+@pytest.mark.parametrize("suffix", [".stl", ".glb"])
+def test_save_mesh_refuses_a_format_that_is_too_coarse_far_from_the_origin(suffix, ball, tmp_path):
+    with pytest.raises(InputError, match="cannot store this shape accurately"):
+        save_mesh(ball, ball.V + [1e7, 0.0, 0.0], tmp_path / f"out{suffix}")
+    assert not list(tmp_path.iterdir())
+
+
+def test_save_mesh_keeps_a_format_that_was_as_coarse(ball, tmp_path):
+    save_mesh(ball, ball.V + [1e3, 0.0, 0.0], tmp_path / "out.stl")
+    mesh = open_mesh(tmp_path / "out.stl")
+    save_mesh(mesh, mesh.V + [1e6, 0.0, 0.0], tmp_path / "again.stl")
+
+
+def test_save_mesh_writes_a_soup_in_another_order(tmp_path):
+    mesh = Mesh(np.eye(3), np.array([[0, 2, 1]]))
+    save_mesh(mesh, mesh.V, tmp_path / "out.stl")
+    back = open_mesh(tmp_path / "out.stl")
+    np.testing.assert_array_equal(back.V[back.F], mesh.V[mesh.F])
+
+
+def test_save_mesh_refuses_a_name_with_a_null_character(ball, tmp_path):
+    with pytest.raises(InputError, match="null character"):
+        save_mesh(ball, ball.V, tmp_path / "a\0.obj")
+
+
 def test_save_mesh_takes_a_capital_suffix_for_the_same_format(ball, tmp_path):
     for suffix in WRITABLE_FORMATS:
         save_mesh(ball, ball.V, tmp_path / f"a{suffix}")

@@ -117,7 +117,7 @@ def _series_files(paths: Sequence[Path]) -> set[Path]:
 def _files(path: Path) -> list[Path]:
     try:
         rows = list(ElementTree.parse(path).iter("DataSet"))
-    except (OSError, ElementTree.ParseError):
+    except (OSError, ElementTree.ParseError, LookupError, ValueError):  # also of an unknown encoding
         return []
     files = [path.parent / row.get("file", "") for row in rows]
     return [file for file in files if file.parent == path.with_suffix("") and file.suffix == ".vtu"]

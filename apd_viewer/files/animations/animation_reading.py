@@ -67,7 +67,7 @@ def _series_names(path: Path) -> list[str]:
     try:
         rows = [row.attrib for row in ElementTree.fromstring(read_content(path)).iter("DataSet")]
         times = [float(row.get("timestep", k)) for k, row in enumerate(rows)]
-    except (ElementTree.ParseError, ValueError) as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # also of an unknown encoding
         raise _damaged(path, error) from error
     if not rows:
         raise InputError(tr("{name} lists no files; export it again.").format(name=path.name))

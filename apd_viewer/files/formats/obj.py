@@ -153,7 +153,7 @@ _LIBRARY = re.compile(rb"\n[ \t]*mtllib[ \t]+([^\n#]+)")
 _USED = re.compile(rb"\n[ \t]*usemtl[ \t]+([^\n#]+)")
 _NEW = re.compile(rb"\n[ \t]*newmtl[ \t]+([^\n#]+)")
 _IMAGE = re.compile(rb"\n[ \t]*map_Kd[ \t]+([^\n#]+)", re.IGNORECASE)
-_OPTION = re.compile(r"-(?:s|o|t)(?:\s+[-+.\deE]+){1,3}\s+|-mm(?:\s+\S+){2}\s+|-\w+\s+\S+\s+")
+_OPTIONS = re.compile(r"^(?:-(?:s|o|t)(?:\s+[-+.\deE]+){1,3}\s+|-mm(?:\s+\S+){2}\s+|-\w+\s+\S+\s+)*")
 
 
 class ObjFaces(NamedTuple):
@@ -187,19 +187,30 @@ def material_images(text: bytes, mesh: Path, faces: ObjFaces) -> tuple[list[str]
 def _named_images(text: bytes, mesh: Path) -> dict[str, str]:
     """Image path of each material, by material name."""
     named = {}
-    for library in dict.fromkeys(map(_decoded_name, _LIBRARY.findall(text))):
-        content = sibling_content(library, mesh)
-        if content is None:
-            continue
+    for library, content in _libraries(text, mesh).items():
         said = b"\n" + with_line_feeds(decoded_text(content)[0])
         folder = posixpath.dirname(library.replace("\\", "/"))
         begins = [*_NEW.finditer(said)]
         for match, end in zip(begins, [*(m.start() for m in begins[1:]), len(said)], strict=True):
             found = _IMAGE.search(said, match.end() - 1, end)
             if found is not None:
-                image = _OPTION.sub("", _decoded_name(found[1])).replace("\\", "/")
+                image = _OPTIONS.sub("", _decoded_name(found[1])).replace("\\", "/")
                 named[_name(match)] = posixpath.join(folder, image)
     return named
+
+
+def _libraries(text: bytes, mesh: Path) -> dict[str, bytes]:
+    """Contents of the material libraries that exist, by name; a line may list several."""
+    found: dict[str, bytes] = {}
+    for said in dict.fromkeys(map(_decoded_name, _LIBRARY.findall(text))):
+        whole = sibling_content(said, mesh)
+        names = [said] if whole is not None else said.split()
+        found |= {
+            name: content
+            for name in names
+            if (content := whole if name == said else sibling_content(name, mesh)) is not None
+        }
+    return found
 
 
 def _name(match: re.Match[bytes]) -> str:

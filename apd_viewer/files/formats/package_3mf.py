@@ -58,13 +58,14 @@ def read_3mf(content: bytes) -> ParsedMesh:
     if package.main.unit not in _UNITS:
         raise ValueError(tr("its unit “{unit}” is unknown").format(unit=package.main.unit))
     unit, factor = _UNITS[package.main.unit]
-    V, F, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
+    V, F, count, left = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0, _MOST_VERTICES
     shown: list[ModelObject] = []
     for each, matrix in package.placed_objects():
         shown.append(each)
-        if not len(each.F):  # a beam lattice has vertices but no triangles
+        if each.is_support or not len(each.F):  # a beam lattice has vertices but no triangles
             continue
-        if count + len(each.V) > _MOST_VERTICES:
+        left -= len(each.F)
+        if count + len(each.V) > _MOST_VERTICES or left < 0:
             raise too_large_error(tr("all its components"))
         with np.errstate(all="ignore"):  # invalid positions are rejected later
             V.append((each.V @ matrix[:3, :3].T + matrix[:3, 3]) * factor)
@@ -94,6 +95,10 @@ def _remarks(shown: list[ModelObject], has_triangles: bool) -> Iterator[str]:
             raise InputError(alone)
         if there:
             yield beside
+    if any(each.has_appearance for each in shown):
+        yield tr("The colours and materials of the file are not read.")
+    if any(each.is_support for each in shown):
+        yield tr("The support structures of the file are left out.")
 
 
 class _Package:
@@ -115,7 +120,7 @@ class _Package:
         if size > min(MOST_BYTES, largest_unpacked_size(len(content))):
             raise ValueError(tr("it would unpack to {size:,} bytes").format(size=size))
         # Part names are case-insensitive (ECMA-376, part 2, 6.2.2).
-        self._names = {entry.filename.lower(): entry.filename for entry in entries}
+        self._names = {_part_name(entry.filename): entry.filename for entry in entries}
         self._models: dict[str, PackageModel] = {}
         self._main = self._start()
         self.main = self._model(self._main)
@@ -218,6 +223,8 @@ class ModelObject:
     components: list[ObjectUse] = field(default_factory=list)
     has_beams: bool = False
     has_slices: bool = False
+    has_appearance: bool = False
+    is_support: bool = False
 
     @cached_property
     def V(self) -> np.ndarray:
@@ -282,6 +289,8 @@ class PackageModel:
         if number in self.objects:
             raise ValueError(tr("two objects of one part have the number {number}").format(number=number))
         self._object = self.objects[number] = ModelObject()
+        self._object.is_support = attributes.get("type") in ("support", "solidsupport")
+        self._object.has_appearance = "pid" in attributes
         self._object.has_slices = any(name.startswith(_SLICES) for name in attributes)
 
     def _read_vertex(self, attributes: dict[str, str]) -> None:
@@ -293,6 +302,7 @@ class PackageModel:
             raise ValueError(tr("a vertex has a coordinate that is not a number")) from None
 
     def _read_triangle(self, attributes: dict[str, str]) -> None:
+        self._object.has_appearance |= "pid" in attributes
         try:
             self._object.corners.extend((int(attributes["v1"]), int(attributes["v2"]), int(attributes["v3"])))
         except (KeyError, ValueError, OverflowError):

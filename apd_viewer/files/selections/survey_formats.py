@@ -99,7 +99,7 @@ def _vertex_numbers(path: Path, n: int, otherwise: str) -> np.ndarray:
 def _numbers(path: Path, otherwise: str) -> np.ndarray:
     content = read_content(path)
     try:
-        lines = content.decode().splitlines()
+        lines = content.decode("utf-8-sig").splitlines()
         words = [word for line in lines for word in line.partition("#")[0].split()]
         return np.array([float(word) for word in words])
     except ValueError as error:

@@ -71,7 +71,8 @@ def replacing_file(
     except OSError as error:
         raise file_write_error(path, error) from error
     finally:
-        if scratch is not None:
+        if scratch is not None and scratch.exists():
+            scratch.chmod(0o600)  # Windows removes no file that may not be written
             scratch.unlink(missing_ok=True)
 
 
@@ -239,7 +240,12 @@ def move_files(scratch: Path, folder: Path) -> None:
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.exists() and not target.is_file():
             raise FileExistsError(None, tr("{name} in it is not a regular file").format(name=target.name))
-        shutil.move(path, target)
+        try:
+            os.replace(path, target)  # noqa: PTH105, as a whole, also over an existing file on Windows
+        except OSError as error:
+            if error.errno != errno.EXDEV:  # on another disk
+                raise
+            shutil.move(path, target)
 
 
 def _nearest_folder(folder: Path) -> Path:

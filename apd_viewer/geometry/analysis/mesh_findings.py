@@ -194,7 +194,7 @@ def orientation_findings(signed_volume: float | None, area: float) -> Iterator[F
 def nesting_findings(
     mesh: Mesh, F: np.ndarray, component: np.ndarray, areas: np.ndarray
 ) -> Iterator[Finding]:
-    """Findings about parts of a closed surface whose volumes are added with the wrong sign.
+    """Findings about closed parts whose volumes are added with the wrong sign.
 
     A part inside an even number of others should face as the largest one does, and any other as a cavity.
 

@@ -85,7 +85,7 @@ def volume(U: np.ndarray, F: np.ndarray) -> float:
 
 
 def face_volumes(U: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Signed volumes (m,) between a corner of the surface and each triangle, cubic mesh units."""
+    """Signed volumes (m,) between a corner of the surface and each triangle."""
     # Measured from a vertex of the surface: far from the origin, the sum would lose digits to cancellation.
     return _signed_volumes(U, F, U[F[0, 0]])
 

@@ -12,6 +12,7 @@ import numpy as np
 from apd_viewer.files.selections.selection import Selection, default_name
 from apd_viewer.geometry.goals.target_values import percentage_text
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model.handles_and_regions import IDENTITY, Handle, NamedRegion, PartFlags
@@ -101,11 +102,9 @@ def selection_of(document: Document) -> Selection:
 def with_selection(document: Document, selection: Selection) -> Document:
     """Document painted with a selection."""
     regions = map(NamedRegion, selection.regions, selection.areas)
-    weld = document.mesh.weld
-    codes = selection.labels, selection.member
+    weld, labels, member = document.mesh.weld, selection.labels, selection.member
     if len(weld.first) < len(weld.inverse):  # both sides of a seam are painted alike
-        codes = frozen(codes[0][weld.first][weld.inverse]), frozen(codes[1][weld.first][weld.inverse])
-    labels, member = codes
+        labels, member = shared_codes(labels, weld, FREE), shared_codes(member, weld, 0)
     return replace(
         document,
         labels=labels,
@@ -113,6 +112,14 @@ def with_selection(document: Document, selection: Selection) -> Document:
         handles=tuple(map(Handle, selection.handles)),
         regions=tuple(regions),
     )
+
+
+def shared_codes(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
+    """Common codes for both sides of a seam; any code takes precedence over ``none``."""
+    shared = np.full(len(weld.first), none, dtype=codes.dtype)
+    said = np.flatnonzero(codes != none)[::-1]  # of several codes at a vertex, the first is used
+    shared[weld.inverse[said]] = codes[said]
+    return frozen(shared[weld.inverse])
 
 
 def next_name(kind: str, taken: Collection[str], first: int = 1) -> str:

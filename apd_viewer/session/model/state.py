@@ -15,7 +15,6 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.picking.surface_index import SurfaceIndex
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.geometry.pose.frame import TARGET_ACCURACY, Frame
@@ -24,7 +23,7 @@ from apd_viewer.geometry.solver.settings import Settings
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.document_parts import goal_percentages
+from apd_viewer.session.model.document_parts import goal_percentages, shared_codes
 from apd_viewer.session.model.handles_and_regions import Handle
 from apd_viewer.session.model.named_obstacle import carried_shifts
 
@@ -205,8 +204,8 @@ def welded_state(state: State) -> State:
     document = replace(
         before,
         mesh=mesh,
-        labels=_shared_codes(before.labels, mesh.weld, FREE),
-        member=_shared_codes(before.member, mesh.weld, 0),
+        labels=shared_codes(before.labels, mesh.weld, FREE),
+        member=shared_codes(before.member, mesh.weld, 0),
         initial_positions=beside(before.initial_positions),
         closed_openings=tuple(mesh.weld.representative[list(before.closed_openings)].tolist()),
     )
@@ -218,14 +217,6 @@ def welded_state(state: State) -> State:
     frame = replace(shape_frame(mesh, inspection, U), shifts=state.frame.shifts)
     found = State(document, inspection, surface_index_of(mesh), state.frame).updated(frame=frame)
     return found if U is mesh.V else found.as_unsettled()
-
-
-def _shared_codes(codes: np.ndarray, weld: Weld, none: int) -> np.ndarray:
-    """Common codes for both sides of a seam; any code takes precedence over ``none``."""
-    shared = np.full(len(weld.first), none, dtype=codes.dtype)
-    said = np.flatnonzero(codes != none)[::-1]  # of several codes at a vertex, the first is used
-    shared[weld.inverse[said]] = codes[said]
-    return frozen(shared[weld.inverse])
 
 
 def load_excess_of(document: Document) -> float | None:

@@ -72,7 +72,7 @@ class UpAxis(Enum):
 
 def mesh_up_axis(mesh: Mesh, chosen: UpAxis | None = None) -> UpAxis:
     """Up axis chosen for a mesh, else that of its format, of its flat bottom, or +Y."""
-    suffix = "" if mesh.origin is None else mesh.origin.suffix
+    suffix = mesh.origin.suffix if mesh.origin else mesh.path.suffix if mesh.path else ""
     return chosen or UpAxis.from_suffix(suffix) or standing_axis(mesh) or UpAxis.PLUS_Y
 
 

@@ -13,7 +13,7 @@ from apd_viewer.files.storage.regular_files import read_bytes
 from apd_viewer.geometry.measuring.measurement import Contents, Measurement, Plane
 from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import LARGEST_COORDINATE, frozen
 from apd_viewer.geometry.pose.constraints import MOST_HANDLES
 from apd_viewer.language import tr
 from apd_viewer.session.model.handles_and_regions import (
@@ -78,7 +78,7 @@ def handle_from_json(fields: JsonFields) -> Handle:
     """Handle from JSON."""
     pose, waypoints = _path(fields)
     pivot = frozen(fields.array("pivot", 3)) if fields.has_value("pivot") else None
-    falloff = fields.number("falloff", 0.0, LARGEST_NUMBER) if fields.has_value("falloff") else 0.0
+    falloff = fields.number("falloff", 0.0, LARGEST_COORDINATE) if fields.has_value("falloff") else 0.0
     line = frozen(fields.array("line", 3)) if fields.has_value("line") else None
     return Handle(
         fields.text("name"),

@@ -43,6 +43,7 @@ _IMAGE_MEMBER, _IMAGED = "region-image", "imaged"  # file of the image on a regi
 _MEANS, _MAP = "thicknesses", "thickness"
 _BESIDE = {"moduli": "young", "yield_radii": "yield_radius"}
 _MOST_MAPS = 1000
+_MOST_ARRAYS = 4 * _MOST_MAPS  # earlier versions listed those of the maps, too
 # Farthest valid positions, in bounding-box diagonals of the mesh.
 _FARTHEST = 1e8
 
@@ -106,7 +107,6 @@ def save_session(
         arrays[_IMAGED] = view.image.inside.astype(np.uint8)
     maps = _used_maps(state, view, timeline)
     means_beside, arrays_of_maps = _stored_maps(maps)
-    arrays |= arrays_of_maps
     steps, arrays_of_steps = timeline_to_json(timeline, state) if timeline.steps else (None, {})
     said = {
         "format": SESSION_FORMAT,
@@ -117,12 +117,13 @@ def save_session(
         "arrays": list(arrays),
         **({_MEANS: list(map(float, maps)), **means_beside} if maps else {}),
         "document": session_json.document_to_json(document),
-        "frame": session_json.frame_to_json(state.frame),
+        "frame": session_json.frame_to_json(state.frame, len(document.obstacles)),
         "view": session_json.view_to_json(view),
         **({"timeline": steps} if steps else {}),
     }
     text = json.dumps(said, indent=1, allow_nan=False).encode()
-    members = {f"{name}.npy": npy_content(array) for name, array in (arrays | arrays_of_steps).items()}
+    arrays_of_all = arrays | arrays_of_maps | arrays_of_steps
+    members = {f"{name}.npy": npy_content(array) for name, array in arrays_of_all.items()}
     members |= {**copy, **copy_of_target, **({PICTURE_MEMBER: picture} if picture else {})}
     members |= {_IMAGE_MEMBER: view.image.content} if view.image is not None else {}
     write_archive(path, {JSON_MEMBER: text, **members}, is_urgent, finish)
@@ -242,7 +243,7 @@ def _check_version(fields: JsonFields, path: Path) -> None:
 
 def _welded_mesh(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
     """Mesh with its seams welded as in the session."""
-    if _WELD not in fields.texts("arrays", max_count=100):
+    if _WELD not in fields.texts("arrays", _MOST_ARRAYS):
         return mesh
     n = len(mesh.V)
     to = archive.array(_WELD, "<i8", (n,))
@@ -253,7 +254,7 @@ def _welded_mesh(mesh: Mesh, fields: JsonFields, archive: Archive) -> Mesh:
 
 def _arrays(fields: JsonFields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]:
     """Labels, regions and positions of all vertices, by array name."""
-    there, n = fields.texts("arrays", max_count=100), len(mesh.V)
+    there, n = fields.texts("arrays", _MOST_ARRAYS), len(mesh.V)
     arrays = {name: archive.array(name, "|u1", (n,)) for name in _CODES}
     for name in _POSITIONS:
         arrays[name] = archive.array(name, "<f8", (n, 3)) if name in there else mesh.V

@@ -14,6 +14,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.files.storage.json_fields import JsonFields
 from apd_viewer.geometry.energy.wall_map import WallMap
+from apd_viewer.geometry.mesh.arrays import LARGEST_COORDINATE
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame, FrameContact
@@ -130,8 +131,8 @@ def _staying_components(fields: JsonFields, document: Document, shape: np.ndarra
     return () if shape is document.mesh.V else tuple(part.first for part in document.loose_components)
 
 
-def frame_to_json(frame: Frame) -> dict[str, Any]:
-    """JSON of the frame fields not measured on the shape."""
+def frame_to_json(frame: Frame, count: int) -> dict[str, Any]:
+    """JSON of the frame fields not measured on the shape, with ``count`` obstacles."""
     return {
         "iteration": int(frame.iteration),
         "settled": bool(frame.settled),
@@ -143,13 +144,13 @@ def frame_to_json(frame: Frame) -> dict[str, Any]:
         "saddle_escapes": int(frame.saddle_escapes),
         **({} if frame.share_reached == 1.0 else {"share_reached": float(frame.share_reached)}),
         **({} if frame.contact is None else {"contact": frame.contact._asdict()}),
-        **_obstacles_to_json(frame),
+        **_obstacles_to_json(frame, count),
     }
 
 
-def _obstacles_to_json(frame: Frame) -> dict[str, Any]:
+def _obstacles_to_json(frame: Frame, count: int) -> dict[str, Any]:
     """JSON of obstacle displacements, and of loads if known."""
-    if not len(frame.shifts):
+    if not count or len(frame.shifts) != count:  # an obstacle has been added or removed since
         return {}
     loads = {"loads": frame.loads.tolist()} if len(frame.loads) == len(frame.shifts) else {}
     return {**loads, "shifts": frame.shifts.tolist()}
@@ -310,12 +311,12 @@ def _from_json(fields: JsonFields, name: str, setting: Setting) -> Any:
             return fields.flag(name)
         case SettingKind.CONVERGENCE:
             return _convergence_from_json(fields.nested_fields(name))
-        case SettingKind.NUMBER:
+        case SettingKind.NUMBER | SettingKind.PRESSURE:
             return fields.number(name, setting.least, setting.most)
-        case SettingKind.PRESSURE:
-            return fields.number(name, -part_json.LARGEST_NUMBER, part_json.LARGEST_NUMBER)
+        case SettingKind.VOLUME:
+            return fields.number(name, part_json.LEAST_POSITIVE, setting.most)
         case _:
-            return fields.number(name, part_json.LEAST_POSITIVE, part_json.LARGEST_NUMBER)
+            return fields.number(name, 1.0 / LARGEST_COORDINATE, LARGEST_COORDINATE)
 
 
 def _method_from_json(name: str) -> str:

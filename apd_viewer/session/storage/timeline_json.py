@@ -74,7 +74,7 @@ class _SavedStates:
             self._numbers[id(document)] = len(self.documents)
             said = _document_to_json(document) | {name: told[name] for name in _ARRAYS[:2]}
             self.documents.append(said)
-        frame = session_json.frame_to_json(state.frame)
+        frame = session_json.frame_to_json(state.frame, len(document.obstacles))
         return {"document": self._numbers[id(document)], "shape": told["shape"], "frame": frame}
 
     def _name(self, kind: str, array: np.ndarray) -> str:

@@ -115,3 +115,42 @@ def test_read_3mf_opens_or_refuses_whatever_stands_in_it(cuts, outside, tmp_path
         refusal = str(error)
     assert refusal.endswith(".")
     assert len(refusal.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ('<triangle v1="', '<triangle pid="5" p1="0" v1="', "colours and materials"),
+        ('<object id="1"', '<object id="1" pid="5" pindex="0"', "colours and materials"),
+        ("nothing", "changed", None),
+    ],
+)
+def test_read_3mf_says_that_materials_are_not_read(before, after, said, tmp_path):
+    path = tmp_path / "a.3mf"
+    path.write_bytes(archive(MODEL.replace(before, after)))
+    remarks = open_mesh(path).remarks
+    assert (said in remarks[0]) if said else not remarks
+
+
+def test_read_3mf_leaves_out_support_structures(tmp_path):
+    support = f'<object id="2" type="support"><mesh><vertices>{VERTICES}</vertices>'
+    support += f"<triangles>{TRIANGLES}</triangles></mesh></object></resources>"
+    model = MODEL.replace("</resources>", support).replace("<build>", '<build><item objectid="2"/>')
+    path = tmp_path / "a.3mf"
+    path.write_bytes(archive(model))
+    mesh = open_mesh(path)
+    assert len(mesh.F) == 2 * len(F)
+    assert mesh.remarks == ("The support structures of the file are left out.",)
+
+
+def test_read_3mf_finds_parts_with_percent_encoded_names(tmp_path):
+    content = io.BytesIO()
+    kind = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+    space = "http://schemas.openxmlformats.org/package/2006/relationships"
+    with zipfile.ZipFile(content, "w") as file:
+        target = f'<Relationship Id="a" Type="{kind}" Target="/3D/My%20Part.model"/>'
+        file.writestr("_rels/.rels", f'<Relationships xmlns="{space}">{target}</Relationships>')
+        file.writestr("3D/My%20Part.model", MODEL)
+    path = tmp_path / "a.3mf"
+    path.write_bytes(content.getvalue())
+    assert len(open_mesh(path).F) == 2 * len(F)

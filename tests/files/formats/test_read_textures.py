@@ -66,6 +66,22 @@ def test_texture_makes_one_image_of_several(tmp_path):
     assert (found[4] == 255).all()
 
 
+def test_texture_finds_the_libraries_that_one_line_lists(tmp_path):
+    path = obj(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("mtllib square.mtl", "mtllib none.mtl square.mtl"), encoding="utf-8")
+    assert open_mesh(path).texture[0] is not None
+
+
+def test_texture_takes_no_part_of_a_name_for_an_option(tmp_path):
+    path = obj(tmp_path)
+    (tmp_path / "four.png").rename(tmp_path / "oak-light brown v2.png")
+    library = tmp_path / "square.mtl"
+    named = library.read_text(encoding="utf-8").replace("four.png", "-s 1 1 1 oak-light brown v2.png")
+    library.write_text(named, encoding="utf-8")
+    assert open_mesh(path).texture[0] is not None
+
+
 def test_texture_scales_large_images_down(tmp_path):
     path = obj(tmp_path)
     Image.new("RGB", (16_384, 8)).save(tmp_path / "four.png")

@@ -27,6 +27,7 @@ def file(tmp_path):
         "\n\n0\n\n1 # free\n1\n   2\n\n",
         "0\r\n1\r\n1\r\n2\r\n",
         "0 1\t1 2\n",
+        "\ufeff0\n1\n1\n2\n",
         "#\n0\n#0\n1\n1\n2\n# größe\n",
     ],
 )

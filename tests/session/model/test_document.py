@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from meshes import box, ends, soup
 
+from apd_viewer.files.selections.selection import Selection
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -15,6 +16,7 @@ from apd_viewer.session.model.document_parts import (
     next_name,
     targets_of,
     unique_name,
+    with_selection,
     without_handle,
     without_region,
 )
@@ -162,3 +164,20 @@ def test_next_name_counts_on_and_new_name_tells_names_apart():
     assert unique_name("Handle 1", "Handle 1", ["Handle 1"]) == "Handle 1"
     assert unique_name("Neck", "Handle 1", ["Handle 1", "Neck"]) == "Neck 2"
     assert unique_name("Neck", "Neck 2", ["Neck", "Neck 2"]) == "Neck 2"
+
+
+def test_with_selection_keeps_paint_on_any_of_coincident_vertices():
+    """A file of loose triangles repeats each position, and a selection may be of some faces."""
+    V, F = soup(*box(2, 2, 2))
+    found = Selection(
+        np.full(len(V), FREE, dtype=np.uint8),
+        np.zeros(len(V), dtype=np.uint8),
+        ("Handle",),
+        ("Region",),
+        (None,),
+    )
+    top = np.flatnonzero((V[:, 2].reshape(-1, 3) == 2.0).all(axis=1))
+    found.labels.reshape(-1, 3)[top], found.member.reshape(-1, 3)[top] = BASE, 1
+    painted = with_selection(initial_state(Mesh(V, F)).document, found)
+    np.testing.assert_array_equal(painted.labels == BASE, V[:, 2] == 2.0)
+    np.testing.assert_array_equal(painted.member == 1, V[:, 2] == 2.0)

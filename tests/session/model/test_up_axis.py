@@ -59,3 +59,10 @@ def test_mesh_up_axis_is_the_chosen_one_then_that_of_the_format_and_of_the_foot(
     save_mesh(cone, cone.V, tmp_path / "cone.glb")
     assert mesh_up_axis(open_mesh(tmp_path / "cone.glb")) is UpAxis.PLUS_Y
     assert mesh_up_axis(as_mesh(CREATE.box())) is UpAxis.PLUS_Y
+
+
+def test_mesh_up_axis_of_a_format_that_prescribes_one_is_that(tmp_path):
+    """Also of 3MF, which is read and never written again."""
+    ball = as_mesh(CREATE.icosphere())
+    for suffix, axis in ((".3mf", UpAxis.PLUS_Z), (".glb", UpAxis.PLUS_Y)):
+        assert mesh_up_axis(Mesh(ball.V, ball.F, tmp_path / f"a{suffix}")) is axis

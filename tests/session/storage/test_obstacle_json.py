@@ -61,7 +61,16 @@ def test_obstacle_json_brings_obstacles_back_bit_for_bit_to_be_replayed(tmp_path
 def test_document_to_json_and_frame_said_say_nothing_of_obstacles_without_any():
     state = initial_state(Mesh(*tube(8, 4)))
     assert "obstacles" not in document_to_json(state.document)
-    assert not {"loads", "shifts"} & set(frame_to_json(state.frame))
+    assert not {"loads", "shifts"} & set(frame_to_json(state.frame, 0))
+
+
+def test_frame_to_json_leaves_out_shifts_of_other_obstacles(tmp_path):
+    """A frame of one obstacle less may arrive for the document that has a new one."""
+    state = initial_state(Mesh(*tube(8, 4)))
+    document = replace(state.document, obstacles=(WALL, BALL))
+    state = state.updated(document, frame=replace(state.frame, shifts=frozen(np.zeros((1, 3)))))
+    save_session(tmp_path / "a.apd", state, View(), embed=True)
+    assert len(open_session(tmp_path / "a.apd")[0].document.obstacles) == 2
 
 
 @pytest.mark.parametrize("obstacle", [ROD, WALL, BALL], ids=lambda each: each.name)
@@ -101,3 +110,21 @@ def test_json_fields_parts_refuses_more_obstacles_than_the_limit():
     said = JsonFields({"obstacles": [obstacle_to_json(BALL)] * (MOST_OBSTACLES + 1)}, "document")
     with pytest.raises(ValueError, match="obstacles"):
         said.nested_list("obstacles", MOST_OBSTACLES)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"filled_volume": 1.2e9},
+        {"filled_volume": 1e12},
+        {"pressure": 5e11},
+        {"wall_thickness": 1e-15},
+        {"yield_radius": 1e12},
+    ],
+    ids=str,
+)
+def test_settings_to_json_writes_what_is_read_again(settings, tmp_path):
+    state = initial_state(Mesh(*tube(8, 4)))
+    state = state.updated(state.document.with_settings(**settings))
+    save_session(tmp_path / "a.apd", state, View(), embed=True)
+    assert open_session(tmp_path / "a.apd")[0].document.settings == state.document.settings

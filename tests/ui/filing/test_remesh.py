@@ -1,5 +1,6 @@
 """The command Remesh in the window: asks for an edge length and a file, and opens it."""
 
+import numpy as np
 import pytest
 from meshes import sphere
 from PySide6.QtWidgets import QInputDialog
@@ -7,6 +8,7 @@ from PySide6.QtWidgets import QInputDialog
 from apd_viewer.files.formats import cad
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing import file_dialogs
 
 
@@ -50,3 +52,14 @@ def test_file_controller_asks_nothing_without_the_library_for_remeshing(bottle, 
     assert "apd-viewer[cad]" in bottle.notice.text
     assert asked == []
     assert bottle.session.store.state is before
+
+
+def test_file_controller_remeshes_into_metres_by_the_unit_chosen(bottle, qtbot, tmp_path, monkeypatch, asked):
+    path = tmp_path / "even.glb"
+    monkeypatch.setattr(cad, "check_remeshing", lambda: None)
+    monkeypatch.setattr(cad, "even_triangles", lambda *_: (*sphere(2), 0.7))
+    monkeypatch.setattr(file_dialogs, "ask_for_format", lambda *_: path)
+    bottle.session.store.unit = Unit.CENTIMETRE
+    bottle.files.remesh()
+    qtbot.waitUntil(lambda: bottle.session.store.state.document.mesh.path == path)
+    assert np.ptp(open_mesh(path).V, axis=0) == pytest.approx(0.01 * np.ptp(sphere(2)[0], axis=0))
