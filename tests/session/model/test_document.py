@@ -169,15 +169,10 @@ def test_next_name_counts_on_and_new_name_tells_names_apart():
 def test_with_selection_keeps_paint_on_any_of_coincident_vertices():
     """A file of loose triangles repeats each position, and a selection may be of some faces."""
     V, F = soup(*box(2, 2, 2))
-    found = Selection(
-        np.full(len(V), FREE, dtype=np.uint8),
-        np.zeros(len(V), dtype=np.uint8),
-        ("Handle",),
-        ("Region",),
-        (None,),
-    )
     top = np.flatnonzero((V[:, 2].reshape(-1, 3) == 2.0).all(axis=1))
-    found.labels.reshape(-1, 3)[top], found.member.reshape(-1, 3)[top] = BASE, 1
+    labels, member = np.full(len(V), FREE, dtype=np.uint8), np.zeros(len(V), dtype=np.uint8)
+    labels.reshape(-1, 3)[top], member.reshape(-1, 3)[top] = BASE, 1
+    found = Selection(labels, member, ("Handle",), ("Region",), (None,))
     painted = with_selection(initial_state(Mesh(V, F)).document, found)
     np.testing.assert_array_equal(painted.labels == BASE, V[:, 2] == 2.0)
     np.testing.assert_array_equal(painted.member == 1, V[:, 2] == 2.0)
