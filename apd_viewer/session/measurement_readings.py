@@ -65,6 +65,7 @@ class MeasurementReadings:
         self._finder = GeodesicFinder(listener.wake)
         self._asked: GeodesicQuery | None = None
         self._mesh_V: np.ndarray | None = None
+        self._joined_F: np.ndarray | None = None
         self._closed: tuple[int, ...] = ()
         self._rest: dict[Measurement, MeasurementResult] = {}
         self._rest_paths: dict[EndPoints, CarriedPath] = {}
@@ -118,8 +119,9 @@ class MeasurementReadings:
 
     def _discard_outdated(self, state: State) -> None:
         """Discard results of another mesh or rest shape."""
-        if self._mesh_V is not state.document.mesh.V:
-            self._mesh_V = state.document.mesh.V
+        mesh = state.document.mesh
+        if self._mesh_V is not mesh.V or self._joined_F is not mesh.joined_F:  # others once seams are welded
+            self._mesh_V, self._joined_F = mesh.V, mesh.joined_F
             self._rest, self._rest_paths, self._paths = {}, {}, {}
         if self._closed != state.document.closed_openings:
             self._closed = state.document.closed_openings

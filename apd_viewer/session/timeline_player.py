@@ -39,6 +39,7 @@ class TimelinePlayer:
         self.began = 0.0
         self._ahead: tuple[Document, ...] = ()
         self._detour: Document | None = None
+        self._last_shown: int | None = None
         self._retries = RETRIES
         self.shows_wall = False
         self._followed: State | None = None
@@ -167,9 +168,10 @@ class TimelinePlayer:
         It is displayed if the step is, and ``shows_wall`` asks for it; unsettled ones are not, because
         displaying them would solve them further.
         """
-        is_shown = self.shows_wall and self.shown_step == k
+        is_shown, dropped = self.shows_wall and self.shown_step == k, self.timeline.dropped
         self.timeline = self.timeline.with_wall_result(k, result)
-        if is_shown and result.frame.settled and self._gestures.state_before is None:
+        k -= self.timeline.dropped - dropped
+        if is_shown and k >= 0 and result.frame.settled and self._gestures.state_before is None:
             self.show_step(k)
             self.accept_shown_step()
         self._listener.status_changed()
@@ -178,6 +180,7 @@ class TimelinePlayer:
 
     def show_step(self, k: int) -> None:
         """Display step ``k``; :meth:`accept_shown_step` makes it the current state."""
+        self._last_shown = k
         state = self.timeline.state_at(k, self._store.required_state().document, self.shows_wall)
         if self._gestures.state_before is None:
             self._gestures.begin(self.accept_shown_step)
@@ -204,8 +207,12 @@ class TimelinePlayer:
     @property
     def shown_step(self) -> int | None:
         """Number of the displayed step; None for any other shape."""
-        state = self._store.state
-        return None if state is None else self.timeline.index_of(state)
+        state, steps, k = self._store.state, self.timeline.steps, self._last_shown
+        if state is None:
+            return None
+        # A run that begins at an earlier step has its shape twice.
+        is_there = k is not None and k < len(steps) and steps[k].has_shape_of(state)
+        return k if is_there else self.timeline.index_of(state)
 
 
 def _has_moved(before: Document, after: Document) -> bool:

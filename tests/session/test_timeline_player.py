@@ -8,11 +8,12 @@ from meshes import sphere, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.mesh_contact import contact_thickness
-from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.pressed_mesh import press
 from apd_viewer.presentation.plate_readings import rest_verdict
+from apd_viewer.session.model import timeline
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.model.obstacle_pair import obstacle_pair
 from apd_viewer.session.obstacle_editor import Fingers
@@ -258,3 +259,41 @@ def test_obstacle_pair_refuses_distances_that_plates_cannot_come_to(plates):
         pair.press_documents(state, pair.distance(state), 3)
     plates.obstacles.remove(0)
     assert obstacle_pair(plates.store.state.document) is None
+
+
+def test_timeline_player_shows_each_step_of_a_run_that_begins_at_an_earlier_one(plates):
+    """The first step of the second run has the shape of a step of the first."""
+    play(plates)
+    player = plates.player
+    player.show_step(1)
+    player.accept_shown_step()
+    plates.settle()
+    play(plates, to=1.6, steps=2)
+    count = len(player.timeline.steps)
+    assert player.timeline.run_of(count - 1) == range(STEPS + 1, STEPS + 4)
+    for k in range(count):
+        player.show_step(k)
+        assert player.shown_step == k
+        player.accept_shown_step()
+        assert player.shown_step == k
+    again, first = player.timeline.steps[STEPS + 1], player.timeline.steps[1]
+    assert again.has_shape_of(first.state)
+    assert player.timeline.index_of_recorded(again.state) == STEPS + 1
+
+
+def test_timeline_player_stays_at_a_step_as_older_ones_are_dropped(plates, monkeypatch):
+    play(plates)
+    player, kept = plates.player, plates.player.timeline.steps
+    player.show_step(2)
+    player.accept_shown_step()
+    player.shows_wall = True
+    shown = plates.store.state
+    by_wall = shown.updated(shown.document.with_settings(method="wall", wall_thickness=0.01))
+    answer = by_wall.updated(frame=replace(shown.frame, U=frozen(1.0 * shown.frame.U), settled=True))
+    monkeypatch.setattr(timeline, "MOST_BYTES", (len(kept) - 1) * shown.frame.U.nbytes)
+    player.add_wall_result(2, answer)
+    assert player.timeline.dropped == 2
+    assert player.shown_step == 0
+    assert plates.store.state.frame.U is answer.frame.U
+    player.show_step(1)
+    player.add_wall_result(0, answer)  # of a step that is dropped with it

@@ -8,6 +8,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.shape_check import SEAMS
+from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.measurement_kind import MeasurementKind
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.python_script import python_script
@@ -138,3 +140,18 @@ def test_open_session_refuses_a_damaged_weld(tube, tmp_path, monkeypatch):
     monkeypatch.undo()
     with pytest.raises(InputError, match="weld"):
         open_session(tmp_path / "tube.apd")
+
+
+def test_weld_measures_the_shape_anew(tube):
+    """A section encloses an area only once the seam is welded."""
+    tube.measurements.add(MeasurementKind.SECTION, plane=Plane((0.0, 0.0, 1.0), 2.75))
+
+    def area_at_rest():
+        (reading,) = tube.measurement_readings.readings(tube.store.state)
+        return reading.rest.values[1]
+
+    assert np.isnan(area_at_rest())
+    weld(tube)
+    assert area_at_rest() == pytest.approx(3.0, rel=1e-4)  # of a dodecagon in a circle of radius 1
+    tube.gestures.undo()
+    assert np.isnan(area_at_rest())

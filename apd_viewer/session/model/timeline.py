@@ -132,8 +132,10 @@ class Timeline:
         if kept.steps and kept.steps[-1].begins_run:  # a run without any step
             kept = replace(kept, steps=kept.steps[:-1])
         known = kept.index_of(state)
-        result = None if known is None else kept.steps[known].wall_result
-        return kept._with_added_step(TimelineStep(state, True, result))
+        if known is None:
+            return kept._with_added_step(TimelineStep(state, True))
+        # A copy, as each step is known by its state.
+        return kept._with_added_step(TimelineStep(replace(state), True, kept.steps[known].wall_result))
 
     def with_state(self, state: State, begins_run: bool = False) -> Timeline:
         """Timeline with a state as its next step; the oldest steps may be dropped."""

@@ -164,7 +164,7 @@ class OpeningTool(MouseTool, QObject):
         super().__init__(viewport)
         self._viewport, self._surface, self._tool = viewport, surface, tool
         self._document: Document | None = None
-        self._V: np.ndarray | None = None  # of the mesh with the openings
+        self._F: np.ndarray | None = None  # of the mesh with the openings
         self._openings: Caps | None = None
         self._under: int | None = None  # opening under the cursor
 
@@ -221,8 +221,8 @@ class OpeningTool(MouseTool, QObject):
         if not active or self._document is None or self._surface.picking_index is None:
             return None
         mesh = self._document.mesh
-        if self._V is not mesh.V:
-            self._V, self._openings = mesh.V, vessel_openings(mesh.V, mesh.joined_F)
+        if self._F is not mesh.joined_F:  # also once its seams are welded
+            self._F, self._openings = mesh.joined_F, vessel_openings(mesh.V, mesh.joined_F)
         return self._openings if len(self._surface.U) == len(mesh.V) else None
 
     def _opening_at(self, position: QPointF) -> int | None:

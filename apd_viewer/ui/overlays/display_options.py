@@ -68,15 +68,14 @@ class Turntable(MouseTool, QObject):
         return False
 
     def cancel(self) -> bool:
-        """Stop the animation; True if it was running."""
-        return self._stop()
+        """Stop the animation, without consuming the command."""
+        self._stop()
+        return False
 
-    def _stop(self) -> bool:
-        turned = self.is_running
-        if turned:
+    def _stop(self) -> None:
+        if self.is_running:
             self.is_running = False
             self.stopped.emit()
-        return turned
 
     def _turn(self) -> None:
         now = time.perf_counter()

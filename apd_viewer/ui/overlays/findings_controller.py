@@ -76,6 +76,9 @@ class FindingsController(QObject):
             self._count(self._of_mesh + findings)
 
     def _count(self, findings: tuple[Finding, ...]) -> None:
+        if findings and [each.sentence for each in findings] == [each.sentence for each in self._findings]:
+            self._findings = findings
+            return
         self.close()
         self._findings = findings
         self.badge.show_count(len(findings))

@@ -104,10 +104,12 @@ class Legend(QFrame):
 
     def set_measures(self, measures: tuple[Measure, ...]) -> None:
         """Set the measures offered in the combo box."""
-        self._offered = measures
+        self._offered, shown = measures, self._scale.measure
         self.choice.clear()
         for measure in measures:
             self.choice.addItem(measure.traits.title, measure)
+        if shown in measures:
+            self.choice.setCurrentIndex(measures.index(shown))
 
     def show_scale(self, scale: Scale, unit: Unit) -> None:
         """Display a scale with values in ``unit``."""

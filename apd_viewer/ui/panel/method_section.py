@@ -133,7 +133,7 @@ class MethodSection(Section):
     def _add_number(self, name: str, setting: Setting) -> None:
         tip = setting.help[0].upper() + setting.help[1:]
         kind = LengthField if setting.kind is SettingKind.LENGTH else NumberField
-        field = kind(brief=True, accessibleName=setting.title, toolTip=tip, maximum=setting.most, decimals=4)
+        field = kind(brief=True, accessibleName=setting.title, toolTip=tip, maximum=setting.most, decimals=18)
         field.setSpecialValueText(_UNSET.get(name, ""))
         field.setStepType(NumberField.StepType.AdaptiveDecimalStepType)
         default = getattr(DEFAULT_SETTINGS, name)

@@ -85,7 +85,7 @@ class TimelineReplay(QTimer):
         after = (player.shown_step if player.shown_step is not None else count) + 1
         if not self._session.gestures.is_showing or player.is_playing:
             self.stop()  # another gesture or motion has begun
-        elif after < count or self._is_repeated():
+        elif after < count or (count and self._is_repeated()):
             player.show_step(after % count)
         else:
             self.end()

@@ -204,4 +204,5 @@ class SelectionStrokes(QObject):
 
     def _end(self) -> None:
         erased = self._act is StrokeEffect.REMOVE
-        self.ended.emit((Tool.ERASE if erased else self._tool).traits.title)
+        tool = self._tool if self._tool.traits.is_brush else Tool.HANDLE  # as prepared
+        self.ended.emit((Tool.ERASE if erased else tool).traits.title)

@@ -64,20 +64,22 @@ class NameField(QLineEdit):
             self._finish(self._kept)
         else:
             super().keyPressEvent(event)
+            return
+        row = self.parentWidget()
+        if row is not None:
+            row.setFocus()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Accept the text on loss of focus."""
         super().focusOutEvent(event)
-        self._finish(self.text())
+        if event.reason() is not Qt.FocusReason.PopupFocusReason:
+            self._finish(self.text())
 
     def _finish(self, text: str) -> None:
         if self.isReadOnly():
             return
         before = self._kept
         self.end_editing()
-        row = self.parentWidget()
-        if row is not None:
-            row.setFocus()
         if text.strip() and text.strip() != before:
             self.name_entered.emit(text.strip())
 
@@ -173,6 +175,7 @@ class NamedList(QWidget, Generic[Row]):
         """Show one row per name, and mark the active one, if any."""
         while len(self.rows) > len(names):
             row = self.rows.pop()
+            row.name.end_editing()  # its name is gone, and would be entered as the focus leaves
             row.hide()
             row.deleteLater()  # deleted later, as the row's own button may be calling
         for k, name in enumerate(names):

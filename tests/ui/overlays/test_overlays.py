@@ -249,6 +249,15 @@ def test_deviation_overlay_lets_paint_still_be_seen(qtbot, bottle):
 # The legend
 
 
+def test_legend_names_what_is_shown_as_the_wall_gets_thicknesses(area):
+    legend, heat = area.display_options.legend, area.display_options.overlay
+    other = next(each for each in heat.offered_measures if each is not heat.offered_measures[0])
+    heat.choose_measure(other)
+    for thickness in (np.ones(len(document(area).mesh.V)), None):
+        heat.set_thickness(thickness)
+        assert legend.choice.currentText() == other.traits.title
+
+
 def test_legend_lets_the_range_be_typed_and_fitted_by_a_click(qtbot, area):
     legend, heat = area.display_options.legend, area.display_options.overlay
     answer(qtbot, area, 1.3 * document(area).mesh.V)

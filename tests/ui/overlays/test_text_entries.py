@@ -129,3 +129,11 @@ def test_pick_line_is_called_off_by_escape_after_its_first_click(bottle, mouse):
     assert bottle.status.currentMessage() == ""
     mouse(view).drag(at, at)
     assert bottle.canvas.bend_line is None
+
+
+def test_text_entries_name_the_part_that_they_paint(qtbot, bottle):
+    """Also with a tool that paints nothing: the active handle is painted then."""
+    bottle.tools.choose_tool(Tool.MEASURE)
+    bottle.actions_.select.by_expression.trigger()
+    entered(qtbot, bottle.edits.text_entries.vertices, "0-9")
+    assert bottle.session.gestures.history.next_undo_name == Tool.HANDLE.traits.title

@@ -613,3 +613,13 @@ def test_handle_section_is_seen_without_scrolling(qtbot, bottle):
     work_off()
     shown = bottle.panel.handles.motion.visibleRegion().boundingRect()
     assert shown == bottle.panel.handles.motion.rect()
+
+
+@pytest.mark.parametrize("value", [1.2e-5, 2.5e-4, 1.0 / 3.0])
+def test_method_section_shows_lengths_as_they_are(bottle, value):
+    """Walls of micrometres in a mesh in metres, and numbers of scripts."""
+    choose(bottle, "wall")
+    bottle.session.settings.change(yield_radius=value)
+    field = bottle.panel.method.numbers["yield_radius"]
+    assert field.value() == pytest.approx(value, rel=1e-9)
+    assert float(field.text().split()[0]) == pytest.approx(value, rel=1e-9)

@@ -232,6 +232,16 @@ def test_press_in_view_plays_the_timeline_and_stays_at_its_end(qtbot, window):
     assert window.session.gestures.state_before is None
 
 
+def test_press_in_view_ends_a_repeated_replay_of_steps_that_are_cleared(qtbot, window):
+    panel = pressed(qtbot, window, count=2)
+    panel.loop.setChecked(True)
+    panel.replay.click()
+    qtbot.waitUntil(lambda: player(window).shown_step == 1, timeout=WAIT)
+    player(window).clear()
+    qtbot.waitUntil(lambda: window.session.gestures.state_before is None, timeout=WAIT)
+    panel.loop.setChecked(False)
+
+
 def test_press_in_view_pauses_goes_on_and_stops(qtbot, window):
     window.actions_.simulate.press_live.trigger()
     panel = window.press.panel

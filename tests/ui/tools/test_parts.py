@@ -149,6 +149,28 @@ def test_named_row_lets_its_name_be_edited_in_place(qtbot, bottle):
     assert row.name.text() == "Region 1"
 
 
+def test_named_row_whose_part_is_undone_while_it_is_renamed_enters_nothing(qtbot, bottle):
+    bottle.parts.add_region()
+    bottle.parts.add_region()
+    row = bottle.panel.regions.list.rows[-1]
+    row.name.begin_editing()
+    qtbot.keyClicks(row.name, "Label")
+    bottle.actions_.undo.trigger()
+    work_off()
+    assert [each.name for each in document(bottle).regions] == ["Region 1"]
+    assert bottle.panel.regions.list.rows[0].name.text() == "Region 1"
+
+
+def test_named_row_leaves_the_focus_to_what_is_clicked(qtbot, bottle):
+    region_at(qtbot, bottle, 8.0)
+    row, field = bottle.panel.regions.list.rows[0], bottle.panel.area.target.field
+    row.name.begin_editing()
+    qtbot.keyClicks(row.name, "Label")
+    field.setFocus(Qt.FocusReason.MouseFocusReason)
+    assert field.hasFocus()
+    assert document(bottle).regions[0].name == "Label"
+
+
 # Handles
 
 
