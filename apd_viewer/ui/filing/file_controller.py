@@ -166,12 +166,7 @@ class FileController:
 
     def save_selection(self) -> None:
         """Ask for a file and save the selection to it."""
-        if (state := self._session.store.state) is None:
-            return
-        path = file_dialogs.ask_where_to_save_selection(
-            self._window, self._memory.last_folder, state.document.mesh
-        )
-        if path is not None:
+        if (path := self._answer_to(file_dialogs.ask_where_to_save_selection)) is not None:
             self._session.files.save_selection(path)
 
     # Window title and unsaved work

@@ -194,7 +194,7 @@ class VolumeController(QObject):
                     if not is_given:
                         return wall
 
-        self._use(distribution)
+        self._use(mesh, distribution)
 
     def _ask_for_scale(self) -> tuple[str, bool]:
         """Thickness of black and white as typed, and False if cancelled."""
@@ -219,13 +219,15 @@ class VolumeController(QObject):
         own, is_given = QInputDialog.getText(self._panel, title, label.format(part=part))
         if is_given:
             unit = self._session.store.unit
-            self._use(lambda: with_part_thickness(fields.value, own, inside, mesh, unit))
+            self._use(mesh, lambda: with_part_thickness(fields.value, own, inside, mesh, unit))
 
-    def _use(self, distribution: Callable[[], WallText]) -> None:
-        """Take a wall, and colour the shape by it; tell why it cannot be used."""
+    def _use(self, mesh: Mesh, distribution: Callable[[], WallText]) -> None:
+        """Take a wall of a mesh, and colour the shape by it; tell why it cannot be used."""
         fields = self._panel.measures.wall_fields
         try:
             wall = distribution()
+            if self._mesh is not mesh:
+                raise InputError(tr("Another mesh was opened meanwhile; enter the thickness again."))
         except InputError as error:
             self.failed.emit(str(error))
             return

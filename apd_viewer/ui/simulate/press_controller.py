@@ -301,7 +301,7 @@ class PressController(QObject):
         mesh = self._session.store.required_state().document.mesh
         proposed = self._memory.last_folder / f"{mesh.stem}-timeline.csv"
         path = file_dialogs.ask_for_format(self.panel, tr("Export timeline"), proposed, TIMELINE_FORMATS)
-        if path is not None:
+        if path is not None and self._session.files.is_still_open(mesh):
             newtons, of_wall = self._wall_run_controller.newtons_per_load(), self._session.player.shows_wall
             self._session.files.export_timeline(path, self._timeline, newtons, of_wall, self._up)
 

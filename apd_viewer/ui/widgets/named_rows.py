@@ -108,7 +108,11 @@ class NamedRow(QFrame):
         self.name = NameField(name)
         self.remove: QToolButton = small_button(remove, remove)
         self.name.name_entered.connect(self.renamed)
-        self.remove.clicked.connect(self.removed)
+        self.remove.clicked.connect(self._request_removal)
+
+    def _request_removal(self) -> None:
+        self.setFocus()  # what is typed in a field of the row belongs to this part, not to the next one
+        self.removed.emit()
 
     def set_active(self, on: bool) -> None:
         """Mark the row as active or inactive."""

@@ -19,6 +19,7 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall import NO_WALL, WallText, parse_wall
+from apd_viewer.session.quantities.wall_distribution import WallDistribution
 from apd_viewer.session.quantities.wall_material import WALL_MATERIALS
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.preferences.preferences import Preferences
@@ -332,3 +333,19 @@ def test_wall_fields_ask_what_black_and_white_mean(qtbot, bottle, fields, tmp_pa
     assert found.triangles == pytest.approx(0.02 + 0.05 * grey[mesh.F].mean(axis=1) / 255.0)
     assert bottle.display_options.overlay.measure is Measure.THICKNESS
     assert not answers
+
+
+def test_wall_fields_keep_the_thickness_for_the_mesh_it_was_entered_for(qtbot, bottle, fields, monkeypatch):
+    """A mesh may open under the dialog."""
+
+    def open_another(*_):
+        bottle.session.files.open_mesh(Mesh(*sphere(1)))
+        idle(qtbot, bottle)
+        bottle.choose_unit(CM)
+        return "0.1mm", True
+
+    monkeypatch.setattr(QInputDialog, "getText", open_another)
+    offered(bottle, "Base").trigger()
+    assert len(document(bottle).mesh.V) == len(sphere(1)[0])
+    assert not isinstance(fields.value.thickness, WallDistribution)
+    assert "enter the thickness again" in bottle.notice.text

@@ -161,6 +161,25 @@ def test_named_row_whose_part_is_undone_while_it_is_renamed_enters_nothing(qtbot
     assert bottle.panel.regions.list.rows[0].name.text() == "Region 1"
 
 
+def test_named_row_takes_a_number_that_is_typed_for_its_own_part(qtbot, bottle):
+    """Also if the row is removed before the number is entered, and its fields are those of the next."""
+    for k in range(2):
+        bottle.parts.add_region()
+        bottle.session.settings.set_region_area(k, 100.0)
+    row = bottle.panel.regions.list.rows[0]
+    field = row.details.field
+    field.setFocus()
+    field.selectAll()
+    qtbot.keyClicks(field, "90")
+    qtbot.mouseClick(row.remove, Qt.MouseButton.LeftButton)
+    work_off()
+    (left,) = document(bottle).regions
+    assert (left.name, left.area) == ("Region 2", 100.0)
+    row.setFocus()
+    work_off()
+    assert document(bottle).regions[0].area == 100.0
+
+
 def test_named_row_leaves_the_focus_to_what_is_clicked(qtbot, bottle):
     region_at(qtbot, bottle, 8.0)
     row, field = bottle.panel.regions.list.rows[0], bottle.panel.area.target.field
