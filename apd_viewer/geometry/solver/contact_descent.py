@@ -47,6 +47,7 @@ _PART, _STEPS = 0.05, 10
 _SOFTNESS = 10.0
 # Area relative to that at rest, above which a pressure is too high: materials yield or tear before.
 _MOST_AREA = 2.0
+_NO_STEP = 1e-9  # of the size: a step of a shape that nothing moves
 # Number of blocked substeps taken as a sign of contact: the first shapes after a motion may be rough.
 _PATIENCE = 60
 
@@ -340,7 +341,7 @@ class ContactDescent:
         self._before = self._U, self.shifts
         self._is_inside = not obstacles
         self.start_shifts: np.ndarray | None = None
-        self._touching = None if self._inner else self._touching_descent()
+        self._touching = self._touching_descent() if self._always_touches else None
         self._set_path()
 
     def restart(self, U: np.ndarray) -> None:
@@ -425,6 +426,8 @@ class ContactDescent:
                     0,
                 )
                 self.shifts = shifts
+            if self.surface.factor.ready and self._rests_at_gaps(progress.converged):
+                self._begin_contact()
         elif self.surface.factor.ready:  # contact steps need the factor
             self._refused += self.contact.examined_parts
             # The shapes of the inner solver will not give way to an obstacle that comes.
@@ -437,6 +440,16 @@ class ContactDescent:
         if self.path_fraction == self._ahead < 1.0 and (self._steps >= _STEPS or not self._inner.ready):
             self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
             self._inner.set_targets(self.path.positions_at(self._ahead))
+
+    def _rests_at_gaps(self, converged: bool | None) -> bool:
+        """True if a shape that nothing else moves has gaps with a force.
+
+        A gap may become small without a blocked step, but there is no rest without its force.
+        """
+        if self.path_fraction < 1.0 or not self.contact.energy_at(self._U):
+            return False
+        step = float(np.abs(self._U - self._before[0]).max(initial=0.0))
+        return converged is not False or step <= _NO_STEP * self._size
 
     def _begin_contact(self) -> None:
         """Continue with contact from the last shape."""

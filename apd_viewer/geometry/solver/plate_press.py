@@ -105,7 +105,7 @@ class PlatePress:
         self.solver = Deformation(rest.V, rest.F, fixed, rest=rest, **settings)
         # Plates in local coordinates are exact even far from the origin, and so are their loads.
         self._contact.replace_obstacles(plates)
-        self._targets = (rest.V if start is None else start)[self.solver.fixed]
+        self._targets = (rest.to_mesh_coordinates(rest.V) if start is None else start)[self.solver.fixed]
         self._from = self._to = 0.0
         if start is None:
             self._contact.restart(U)

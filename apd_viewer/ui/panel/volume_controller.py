@@ -225,8 +225,8 @@ class VolumeController(QObject):
         """Take a wall of a mesh, and colour the shape by it; tell why it cannot be used."""
         fields = self._panel.measures.wall_fields
         try:
-            wall = distribution()
-            if self._mesh is not mesh:
+            wall = distribution() if self._mesh is mesh else None
+            if wall is None or self._mesh is not mesh:  # opened under a dialog
                 raise InputError(tr("Another mesh was opened meanwhile; enter the thickness again."))
         except InputError as error:
             self.failed.emit(str(error))

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from meshes import box, sphere, tube
+from meshes import box, grid, sphere, tube
 
-from apd_viewer import press
+from apd_viewer import deform, press
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.enclosed_gas import ConstantPressure, EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -110,3 +110,30 @@ def test_constant_pressure_refuses_what_encloses_nothing():
     V, F = box(1, 1, 1)
     with pytest.raises(InputError, match="encloses nothing"):
         ConstantPressure(RestMesh(V, F[:2]), 1.0)
+
+
+@pytest.mark.parametrize("method", ["arap", "local"])
+def test_deform_with_gas_keeps_the_volume_where_handles_alone_move(method):
+    """Without an obstacle and a start shape: the force of the gas is that of the surface at rest."""
+    V, F = sphere(2)
+    base, top = (np.flatnonzero(side * V[:, 2] > 0.8) for side in (-1.0, 1.0))
+    targets = np.vstack([V[base], V[top] - 0.6 * Z])
+    found = [
+        deform(V, F, np.r_[base, top], targets, handle=top, method=method, gas=gas)
+        for gas in (None, 1.0, 30.0)
+    ]
+    lost = [1.0 - each.volume / RestMesh(V, F).volume for each in found]
+    assert all(each.converged for each in found)
+    assert lost[0] > 0.09
+    assert lost[0] > lost[1] > 2.0 * lost[2] > 0.0
+
+
+def test_deform_with_creases_compresses_a_sheet_by_handles_alone():
+    V, F = grid(12, 6)
+    base, top = np.flatnonzero(V[:, 0] == 0.0), np.flatnonzero(V[:, 0] == 12.0)
+    targets = np.vstack([V[base], V[top] - [1.5, 0.0, 0.0]])
+    found = deform(
+        V, F, np.r_[base, top], targets, handle=top, method="arap", stiffness=0.01, yield_radius=2.0
+    )
+    assert np.isfinite(found.U).all()
+    assert found.handle_drift < 1e-9

@@ -134,3 +134,10 @@ def test_local_origin_rounds_at_most_the_last_bit(place):
     centre = local_origin(X)
     assert np.abs(X - centre).max() < 9.0 * np.linalg.norm(np.ptp(X, axis=0))
     assert np.abs((X - centre) + centre - X).max() <= np.spacing(np.abs(X).max())
+
+
+def test_press_far_from_the_origin_holds_what_is_fixed():
+    ball, G = meshes.sphere(2)
+    ball, low = on_the_grid(ball), np.flatnonzero(ball[:, 2] < -0.8)
+    found = apd_viewer.press(ball + FAR, G, (0, 0, 1), "90%", 2, fixed=low)
+    np.testing.assert_array_equal(found.U[low], ball[low] + FAR)

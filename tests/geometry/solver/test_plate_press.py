@@ -262,3 +262,24 @@ def test_press_refuses_bad_input_in_one_sentence(asked, words):
     asked = {"axis": (1, 0, 0), "to": 1.0, **asked}
     with pytest.raises(InputError, match=words):
         press(V, F, asked.pop("axis"), asked.pop("to"), asked.pop("steps", 2), **asked)
+
+
+def test_deformation_rests_with_the_loads_of_its_gaps():
+    """A plate that comes by small steps blocks none of them; its load is the slope of the energy still."""
+    V, F = sphere(3)
+    base = np.flatnonzero(V[:, 2] < -0.8)
+    rest = RestMesh(V, F)
+    reach = 1e-3 * rest.diagonal
+    lid = plate([0, 0, 1.0 + 2.0 * reach], -Z, rest.diagonal)
+    solver = Deformation(V, F, base, obstacles=[lid], **IN_CONTACT)
+    found = {}
+    for steps in (1, 8):
+        U = V
+        for k in range(1, steps + 1):
+            solver.aim(V[base], U, shifts=[[0, 0, -1.6 * reach * k / steps]])
+            frame = settled(solver)
+            U = frame.U
+        found[steps] = frame.loads[0] @ Z
+        assert frame.converged
+        assert U[:, 2].max() < 1.0
+    assert found[8] == pytest.approx(found[1], rel=0.05)
