@@ -203,6 +203,9 @@ class _HingeTopology:
     def __init__(self, F: np.ndarray, n: int) -> None:
         start, end = F.ravel().astype(np.int64), np.roll(F, -1, axis=1).ravel().astype(np.int64)
         key = np.minimum(start, end) * n + np.maximum(start, end)
+        # A triangle with a corner twice lies beside its edges, and turns about none of them.
+        flat = np.flatnonzero(np.repeat((np.roll(F, -1, axis=1) == F).any(axis=1), 3))
+        key[flat] = n * n + flat
         order = np.argsort(key, kind="stable")
         edges, at, count = np.unique(key[order], return_index=True, return_counts=True)
         pairs = at[count == 2]

@@ -322,7 +322,8 @@ class CreasedCells:
     def __init__(self, rest: SolveMesh, creased: np.ndarray, committed_flow: np.ndarray) -> None:
         self._creased = creased.copy()
         self._start, self._neighbour, self._w = rest.graph
-        n, F = len(rest.V), rest.F
+        proper = (np.roll(rest.F, 1, axis=1) != rest.F).all(axis=1)  # others have no edge with themselves
+        n, F, flow = len(rest.V), rest.F[proper], committed_flow[proper]
         near = self._neighbour.astype(np.int64)
         start = self._start.astype(np.int64)
         i = np.repeat(np.arange(n), start[1:] - start[:-1])
@@ -335,7 +336,7 @@ class CreasedCells:
             for other in (F[:, (c + 1) % 3], F[:, (c + 2) % 3]):
                 at = order[np.searchsorted(keys, F[:, c].astype(np.int64) * n + other)]
                 along = rest.V[other] - rest.V[F[:, c]]
-                np.add.at(bent, at, np.einsum("tab,tb->ta", committed_flow[:, c], along))
+                np.add.at(bent, at, np.einsum("tab,tb->ta", flow[:, c], along))
                 np.add.at(count, at, 1.0)
         new = edges + bent / np.maximum(count, 1.0)[:, None]
         longer = np.linalg.norm(new, axis=1) / np.maximum(np.linalg.norm(edges, axis=1), _TINY)

@@ -154,7 +154,10 @@ def _supernodal_factor(
     if nodes.fill > _MOST_FILL * len(column):
         return None
     A = csr_array((entry, column, start), shape=(len(V), len(V)))
-    factor = SupernodalFactor(A, nodes)
+    try:
+        factor = SupernodalFactor(A, nodes)
+    except ValueError:  # indefinite in single precision
+        return None
     away = np.abs(factor.solve(A @ V) - V).max()
     return factor if away <= LARGEST_RELATIVE_ERROR * np.abs(V).max() else None
 

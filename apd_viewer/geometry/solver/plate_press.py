@@ -160,17 +160,19 @@ class PlatePress:
             Called after every iteration with the estimated fraction of the work done; an exception raised by
             it ends the work.
         """
+        settled = True
         if self._relaxes:
             self.settle_at(0.0, partial(_tick_at, tick, 0, self._count))
             if self._has_start and not self._contact.progress.has_met_goals:
                 raise InputError(
                     tr("The initial shape has another area or volume; deform it with the same targets.")
                 )
+            settled = self.solver.settled and self._contact.progress.has_met_goals
             U = self._contact.progress.U
             self._contact.replace_obstacles(self._plates_around(U))
             self._contact.restart(U)
             self.set_target(0.0)
-        yield self._step(settled=True)
+        yield self._step(settled)
         for k in range(self._count):
             self.settle_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
             yield self._step(self.solver.settled)

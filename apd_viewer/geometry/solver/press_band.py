@@ -134,7 +134,10 @@ def _buckle_height(pressed: Pressed, F: np.ndarray, axis: np.ndarray) -> float:
     yielded = pressed.curve.yield_deflection
     if yielded is None:
         return np.nan
-    first, after = pressed.steps[0], next(step for step in pressed.steps if step.deflection > yielded)
+    first, after = (
+        pressed.steps[0],
+        next((step for step in pressed.steps if step.deflection > yielded), pressed.steps[-1]),
+    )
     used = used_vertices(F)
     before, now = first.U @ axis, after.U @ axis
     low, extent = before[used].min(), np.ptp(before[used])

@@ -176,3 +176,12 @@ def test_hinges_that_rest_shut_may_open_on_either_side():
     assert hinges.rest[0] * other[0] < 0.0
     assert np.abs(hinges.turned(other)) == pytest.approx(0.03, rel=1e-9)
     assert hinges.moments(other)[0] == pytest.approx(0.5 * hinges.Q[0, 0] * 0.03**2, rel=1e-9)
+
+
+def test_hinges_turn_beside_triangles_with_a_corner_twice():
+    """Welding leaves such triangles on inner edges, which they would open."""
+    V, F = MESHES["irregular"]
+    degenerate = np.column_stack([F[:20, 0], F[:20, 0], F[:20, 1]])
+    alone, beside = (Hinges(V, G, RIGIDITY, POISSON) for G in (F, np.vstack([F, degenerate])))
+    np.testing.assert_array_equal(np.sort(beside.corners, axis=0), np.sort(alone.corners, axis=0))
+    assert not len(beside.others)

@@ -7,6 +7,7 @@ from meshes import grid, moved, rotation, tube
 from apd_viewer.geometry.contact.contact_obstacles import sphere
 from apd_viewer.geometry.energy.elastic_surface import ElasticSurface
 from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.plastic_bending import CreasedCells
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.solver.deformation import Deformation
 
@@ -121,3 +122,18 @@ def test_plastic_bending_lets_a_bent_strip_keep_all_but_the_angle_of_yield(count
         while not free.settled:
             free.iterate()
         assert np.degrees(angle_of(X, free.frame().U)) == pytest.approx(left, abs=0.02 * (angle - yields))
+
+
+def test_creased_cells_leave_out_triangles_with_a_corner_twice():
+    """Welding leaves such triangles; their edges have the creases of the others there."""
+    V, F = grid(3, 3)
+    rng = np.random.default_rng(0)
+    flow, (a, b, _) = rng.normal(size=(len(F), 3, 3, 3)), F[-1]
+    last = F[(len(V) - 1 == F).any(axis=1)][0].max()
+    G, more = np.vstack([F, [[a, a, b], [last, last, last]]]), np.concatenate([flow, np.ones((2, 3, 3, 3))])
+    q, U = np.tile([1.0, 0.0, 0.0, 0.0], (len(V), 1)), V + 0.1 * rng.normal(size=V.shape)
+    alone, beside = (
+        CreasedCells(SolveMesh(V, faces), np.ones(len(V), dtype=bool), of_faces).energy(U, q)
+        for faces, of_faces in ((F, flow), (G, more))
+    )
+    assert beside == pytest.approx(alone, rel=1e-12)
