@@ -370,6 +370,8 @@ class Workbench(QObject):
             self.findings.show_mesh_findings(new.inspection.findings)
             if old is None or old.document.mesh.F is not document.mesh.F:
                 self._show_opened(new)
+            else:
+                self.units.carry_over(old.document.mesh, document.mesh)
         self.panel.highlight_edited_part(self.canvas.tool, self.parts.obstacle)
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
         self.symmetry.refresh()

@@ -130,6 +130,10 @@ class Units:
             self._chosen[mesh] = self._default_unit(mesh, user_file(mesh))
         return self._chosen[mesh]
 
+    def carry_over(self, before: Mesh, after: Mesh) -> None:
+        """Take the unit for another rest shape of a mesh, or for the mesh with its seams welded."""
+        self._chosen[after] = self.unit_of(before)
+
     def set_unit(self, mesh: Mesh, unit: Unit) -> None:
         """Set the unit of a mesh, and remember it for the file of the mesh."""
         self._chosen[mesh] = unit

@@ -300,3 +300,25 @@ def test_unit_button_stands_beside_the_area_whatever_its_size(qtbot, window, siz
     beside = panel.area.area
     assert beside.geometry().right() < button.geometry().left()
     assert beside.height() >= beside.heightForWidth(beside.width())
+
+
+def test_units_go_with_a_mesh_whose_rest_shape_is_another(qtbot, window, files):
+    """A baked shape is a mesh of its own, and undo goes back to the one before."""
+    window.session.files.open_sample("bottle")
+    idle(qtbot, window)
+    choose(window, MM)
+    window.session.shapes.bake()
+    idle(qtbot, window)
+    open_file(qtbot, window, files[0])
+    window.edits.undo()
+    idle(qtbot, window)
+    assert window.session.store.unit is MM
+    open_file(qtbot, window, files[0])
+    window.session.shapes.bake()
+    idle(qtbot, window)
+    choose(window, M)
+    window.edits.undo()
+    open_file(qtbot, window, files[1])
+    window.edits.undo()
+    idle(qtbot, window)
+    assert window.session.store.unit is M
