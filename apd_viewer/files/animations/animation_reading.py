@@ -54,7 +54,7 @@ def _open_series(path: Path) -> OpenedAnimation:
         yield mesh.V
         for name in names[1:]:
             other = _series_mesh(path, name)
-            if not np.array_equal(other.F, mesh.F):
+            if other.V.shape != mesh.V.shape or not np.array_equal(other.F, mesh.F):
                 said = tr("{name} in {series} has other triangles than the first mesh; open it by itself.")
                 raise InputError(said.format(name=other.name, series=path.name))
             yield other.V

@@ -119,6 +119,7 @@ class GltfFile:
         """File content with positions ``U`` (n, 3), their bounds and rotated normals."""
         buffers = [bytearray(buffer) for buffer in self.buffers]
         written: dict[int, np.ndarray] = {}
+        normals: dict[int, np.ndarray] = {}
         touched: list[int] = []
         for block in self.blocks:
             old = self._array(self.buffers, block.position).astype(np.float64)
@@ -137,31 +138,48 @@ class GltfFile:
                         tr("The file uses one mesh in several places that now differ; choose another format.")
                     )
                 continue
-            if self._array(self.buffers, block.position).dtype != np.float32:
-                raise InputError(tr("The file stores rounded positions; choose another format."))
             written[block.position] = new
-            if not moved.any():
-                continue
-            touched.append(block.position)
-            write_rows(self.document, buffers, block.position, moved, new)
-            if block.normal is None or block.normal in written:
-                continue
-            N = self._array(self.buffers, block.normal)
-            if len(N) != len(old):
-                raise ValueError(tr("their number differs from that of the positions"))
-            if N.dtype == np.float32:
+            if moved.any():
+                if self._array(self.buffers, block.position).dtype != np.float32:
+                    raise InputError(tr("The file stores rounded positions; choose another format."))
+                touched.append(block.position)
+                write_rows(self.document, buffers, block.position, moved, new)
+            if block.normal is not None:
                 F = mesh.F[((mine.start <= mesh.F) & (mine.stop > mesh.F)).all(axis=1)] - mine.start
-                shapes = with_offset(old, block.position_shift), with_offset(new, block.position_shift)
-                bent = with_offset(N.astype(np.float64), block.normal_shift)
-                after = updated_normals(*shapes, F, bent, F)
-                turn = (after != bent).any(axis=1)
-                if block.normal_shift is not None:
-                    after = after - block.normal_shift
-                write_rows(self.document, buffers, block.normal, turn, after)
-                written[block.normal] = self._array(buffers, block.normal)
+                after = self._array(self.buffers, block.normal)
+                if moved.any():
+                    after = self._normals_after(block.normal, block, old, new, F)
+                if block.normal in normals and (normals[block.normal] != after).any():
+                    raise InputError(
+                        tr("The file shares its normals with other data; choose another format.")
+                    )
+                normals[block.normal] = after
         if any((self._array(buffers, k) != written[k].astype(np.float32)).any() for k in touched):
             raise InputError(tr("The file shares its positions with other data; choose another format."))
+        for accessor, after in normals.items():
+            turned = (after != self._array(self.buffers, accessor)).any(axis=1)
+            if turned.any():
+                write_rows(self.document, buffers, accessor, turned, after)
+                touched.append(accessor)
         return self._file_content(buffers, touched)
+
+    def _normals_after(
+        self, accessor: int, block: VertexBlock, old: np.ndarray, new: np.ndarray, F: np.ndarray
+    ) -> np.ndarray:
+        """Stored normals (n, 3) of a block whose stored positions become ``new`` (n, 3)."""
+        stored = self._array(self.buffers, accessor)
+        if len(stored) != len(old):
+            raise ValueError(tr("their number differs from that of the positions"))
+        shapes = with_offset(old, block.position_shift), with_offset(new, block.position_shift)
+        N = with_offset(accessor_numbers(self.document, self.buffers, accessor), block.normal_shift)
+        after = updated_normals(*shapes, F, N, F)
+        found, turn = stored.copy(), (after != N).any(axis=1)
+        if block.normal_shift is not None:
+            after = after - block.normal_shift
+        if stored.dtype.kind == "i":
+            after = np.rint(after * np.iinfo(stored.dtype).max)
+        found[turn] = after[turn]
+        return found
 
     def _array(self, buffers: list[Any], accessor: int) -> np.ndarray:
         return accessor_array(self.document, buffers, accessor, 3)

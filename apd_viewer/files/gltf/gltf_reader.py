@@ -232,9 +232,12 @@ def mesh_instances(
             yield GltfInstance(mesh, world[k] @ each, joints, weights)
 
 
+_LARGEST_WEIGHT = 1e100  # a longer integer would not fit a double
+
+
 def _weights(entry: dict[str, Any]) -> list[float]:
     found = scene.list_field(entry, "weights")
-    if not all(isinstance(weight, int | float) for weight in found):
+    if not all(isinstance(weight, int | float) and abs(weight) <= _LARGEST_WEIGHT for weight in found):
         raise ValueError(tr("a weight of a morph target is not a number"))
     return found
 

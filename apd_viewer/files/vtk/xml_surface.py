@@ -75,7 +75,7 @@ class VtkXmlFile:
     def data_values(self, kind: str, name: str) -> np.ndarray | None:
         """Data array of the "PointData" or "CellData"; None if there is none."""
         found = [
-            self.arrays.read(array).values
+            self.arrays.read(array).values.astype(np.float64)
             for element in self.arrays.root.walk()
             for array in (element.children_named(*_ARRAYS) if element.name == kind else ())
             if array.attributes.get("Name") == name
@@ -170,8 +170,12 @@ def _array(arrays: XmlArrays, group: XmlElement, name: str) -> np.ndarray:
     raise ValueError(tr("its cells have no {name}").format(name=name))
 
 
-def _group(arrays: XmlArrays, group: XmlElement, points: int) -> Polygons:
+def _group(arrays: XmlArrays, group: XmlElement, points: int, count: int) -> Polygons:
     offsets = _array(arrays, group, "offsets")
+    if len(offsets) != count:
+        raise ValueError(
+            tr("it declares {declared:,} cells and has {there:,}").format(declared=count, there=len(offsets))
+        )
     start = np.concatenate([np.zeros(1, dtype=offsets.dtype), offsets])
     return cells_to_polygons(_array(arrays, group, "connectivity"), start, points)
 
@@ -182,7 +186,7 @@ def _polys(arrays: XmlArrays, piece: XmlElement, points: int) -> Polygons:
     for name, kind in (("Polys", POLYGON), ("Strips", STRIP)):
         group = piece.first_child(name)
         if group is not None and piece.int_attribute(f"NumberOf{name}"):
-            cells = _group(arrays, group, points)
+            cells = _group(arrays, group, points, piece.int_attribute(f"NumberOf{name}"))
             found.append(cell_faces(cells, np.full(len(cells.start) - 1, kind)))
     return concatenated_polygons(found)
 
@@ -192,7 +196,7 @@ def _cells(arrays: XmlArrays, piece: XmlElement, points: int) -> Polygons:
     if group is None or not piece.int_attribute("NumberOfCells"):
         return concatenated_polygons([])
     types = _array(arrays, group, "types")
-    return cell_faces(_group(arrays, group, points), types)
+    return cell_faces(_group(arrays, group, points, piece.int_attribute("NumberOfCells")), types)
 
 
 def _range_updates(content: bytes, element: XmlElement, U: np.ndarray) -> Iterator[Splice]:

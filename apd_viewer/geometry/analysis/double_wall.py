@@ -1,5 +1,7 @@
 """Double-walled vessels: closed surfaces enclosing a wall instead of the capacity."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +22,7 @@ from apd_viewer.geometry.picking.picking import block_boxes, ray_hit
 _THIN = 0.05
 
 # Each ray cast tests all block boxes: 200,000 triangles take about a second.
-_MOST_TRIANGLES = 200_000
+MOST_TRIANGLES = 200_000
 
 # Least area fraction with a near, parallel opposite wall: 0.98 for a 1 mm cup with a flat rim.
 _FACING = 0.8
@@ -81,6 +83,17 @@ def double_wall(
     return None if found is None else found[0]
 
 
+def is_too_large_for_double_wall(
+    V: np.ndarray, F: np.ndarray, component: np.ndarray, areas: np.ndarray, signed_volume: float
+) -> bool:
+    """True if a surface may be a double wall, and has too many triangles to tell.
+
+    Parameters as of :func:`double_wall`.
+    """
+    is_large = len(F) > MOST_TRIANGLES
+    return is_large and _thin_components(V, F, component, areas, signed_volume) is not None
+
+
 def inner_surface(
     V: np.ndarray, F: np.ndarray, component: np.ndarray, areas: np.ndarray, signed_volume: float
 ) -> np.ndarray | None:
@@ -92,10 +105,10 @@ def inner_surface(
     return None if found is None else found[1]
 
 
-def _wall_and_inner_side(
+def _thin_components(
     V: np.ndarray, F: np.ndarray, component: np.ndarray, areas: np.ndarray, signed_volume: float
-) -> tuple[DoubleWall, np.ndarray] | None:
-    """Double wall, and the triangles (k, 3) of its inner surface; None without one."""
+) -> tuple[list[_WallComponent], float] | None:
+    """Components of a surface enclosing little, and how much; None for others."""
     area, is_one = float(areas.sum()), bool((component == component[0]).all())
     if is_one and 2.0 * abs(signed_volume) > _THIN * diagonal(V) * area:
         return None  # the volume of most meshes is too large for a wall
@@ -105,9 +118,18 @@ def _wall_and_inner_side(
         else _nested_components(V, F, component)
     )
     material = abs(parts[0].inside) - sum(abs(part.inside) for part in parts[1:]) if parts else 0.0
-    if len(F) > _MOST_TRIANGLES or not 0.0 < 2.0 * material <= _THIN * mesh_size(V, F) * area:
+    return (parts, material) if 0.0 < 2.0 * material <= _THIN * mesh_size(V, F) * area else None
+
+
+def _wall_and_inner_side(
+    V: np.ndarray, F: np.ndarray, component: np.ndarray, areas: np.ndarray, signed_volume: float
+) -> tuple[DoubleWall, np.ndarray] | None:
+    """Double wall, and the triangles (k, 3) of its inner surface; None without one."""
+    found = None if len(F) > MOST_TRIANGLES else _thin_components(V, F, component, areas, signed_volume)
+    if found is None:
         return None
-    thickness = 2.0 * material / area
+    parts, material = found
+    thickness = 2.0 * material / float(areas.sum())
     T = _outward_triangles(F, parts)
     inner = _inner_side(V, T, areas, thickness)
     if inner is None:

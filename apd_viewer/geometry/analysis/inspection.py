@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.double_wall import DoubleWall, double_wall
+from apd_viewer.geometry.analysis.double_wall import DoubleWall, double_wall, is_too_large_for_double_wall
 from apd_viewer.geometry.analysis.mesh_findings import (
     Finding,
     component_findings,
@@ -79,7 +79,9 @@ def inspect(mesh: Mesh) -> Inspection:
     if inside is not None and encloses_nothing(inside, area):
         inside = 0.0
     piece = vertex_components(F, len(first))
-    wall = None if inside is None else double_wall(mesh.V[first], F, piece[F[:, 0]], areas, inside)
+    surface = mesh.V[first], F, piece[F[:, 0]], areas
+    wall = None if inside is None else double_wall(*surface, inside)
+    is_unknown = inside is not None and is_too_large_for_double_wall(*surface, inside)
     dx, dy, dz = (float(extent) for extent in extents(mesh.V[used_vertices(mesh.F)]))
     return Inspection(
         vertices=len(mesh.V),
@@ -98,7 +100,7 @@ def inspect(mesh: Mesh) -> Inspection:
             *face_findings(mesh, areas),
             *topology_findings(mesh, F),
             *(seam_findings(mesh) if why else ()),  # a closed surface has no open seams
-            *double_wall_findings(wall),
+            *double_wall_findings(wall, is_unknown),
             *orientation_findings(capped if why else inside, area),
             *(() if why else nesting_findings(mesh, F, piece[F[:, 0]], areas)),
             *component_findings(mesh, F, piece),

@@ -72,8 +72,14 @@ def seam_findings(mesh: Mesh) -> Iterator[Finding]:
         yield Finding.at_vertices("T-junctions", found.unweldable_sentence, found.joints)
 
 
-def double_wall_findings(wall: DoubleWall | None) -> Iterator[Finding]:
-    """Finding about a vessel with outer and inner surfaces."""
+def double_wall_findings(wall: DoubleWall | None, is_unknown: bool = False) -> Iterator[Finding]:
+    """Finding about a vessel with outer and inner surfaces, or one that may have them."""
+    if is_unknown:
+        said = tr(
+            "The mesh has too many triangles to tell whether it is a vessel with two walls, whose volume "
+            "would be that of its material; decimate it to find out."
+        )
+        yield Finding.at_vertices("double wall unknown", said)
     if wall is None:
         return
     sentence = tr(

@@ -23,7 +23,7 @@ from apd_viewer.geometry.energy.wall_map import (
     vertices_at,
 )
 from apd_viewer.geometry.mesh.arrays import diagonal
-from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import DerivedOrigin, Mesh, Origin
 from apd_viewer.geometry.mesh.weld import SEAM_TOLERANCE
 from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import standing_axis
@@ -175,10 +175,18 @@ def _stored_wall(found: Mesh, mesh: Mesh, scale: Sequence[float]) -> WallMap:
     return _checked_wall(mesh, thickness, None if young is None else _pascals(young, ""), radius)
 
 
+def _file_of(mesh: Mesh) -> Origin | None:
+    """File of a mesh, whatever its encoding."""
+    origin = mesh.origin
+    while isinstance(origin, DerivedOrigin):
+        origin = origin.origin
+    return origin
+
+
 def _stored_property(found: Mesh, mesh: Mesh, name: str, at: np.ndarray) -> np.ndarray | None:
     """Property (m,) of the vertices ``at`` (n,) of a file, or its faces; None without."""
     for of_vertices in (True, False) if np.array_equal(found.F, mesh.F) else (True,):
-        origin, values, count = found.origin, None, len(found.V) if of_vertices else len(mesh.F)
+        origin, values, count = _file_of(found), None, len(found.V) if of_vertices else len(mesh.F)
         if isinstance(origin, PlyFile):
             values = origin.property_values("vertex" if of_vertices else "face", name)
         elif isinstance(origin, GltfFile):
@@ -192,7 +200,7 @@ def _stored_property(found: Mesh, mesh: Mesh, name: str, at: np.ndarray) -> np.n
 
 def _thickness_of_colors(found: Mesh, scale: Sequence[float]) -> np.ndarray | None:
     """Thickness by grey or red colours of the vertices in a file; None without."""
-    origin, colors = found.origin, None
+    origin, colors = _file_of(found), None
     if isinstance(origin, GltfFile):
         colors = origin.linear_colors
     elif isinstance(origin, PlyFile) and origin.colors is not None:

@@ -131,7 +131,7 @@ class Units:
         return self._chosen[mesh]
 
     def carry_over(self, before: Mesh, after: Mesh) -> None:
-        """Take the unit for another rest shape of a mesh, or for the mesh with its seams welded."""
+        """Take the unit for another rest shape of a mesh, or its welded mesh."""
         self._chosen[after] = self.unit_of(before)
 
     def set_unit(self, mesh: Mesh, unit: Unit) -> None:

@@ -136,6 +136,25 @@ def test_open_animation_refuses_a_series_of_several_meshes(tmp_path):
         list(open_animation(path).shapes)
 
 
+def test_open_animation_refuses_a_series_with_other_numbers_of_vertices(tmp_path):
+    """One that no triangle has may be in some files only."""
+    for name, points in (("a", "0 0 0 1 0 0 0 1 0 5 5 5"), ("b", "0 0 0 1 0 0 0 1 0")):
+        rows = f"<Points><DataArray type='Float64' NumberOfComponents='3'>{points}</DataArray></Points>"
+        cells = "".join(
+            f"<DataArray type='Int64' Name='{key}'>{values}</DataArray>"
+            for key, values in (("connectivity", "0 1 2"), ("offsets", "3"))
+        )
+        count = len(points.split()) // 3
+        (tmp_path / f"{name}.vtp").write_text(
+            f"<VTKFile type='PolyData'><PolyData><Piece NumberOfPoints='{count}' NumberOfPolys='1'>"
+            f"{rows}<Polys>{cells}</Polys></Piece></PolyData></VTKFile>"
+        )
+    series = "".join(f"<DataSet timestep='{k}' file='{name}.vtp'/>" for k, name in enumerate("ab"))
+    (tmp_path / "s.pvd").write_text(f"<VTKFile><Collection>{series}</Collection></VTKFile>")
+    with pytest.raises(InputError, match=r"b\.vtp in s\.pvd has other triangles"):
+        list(open_animation(tmp_path / "s.pvd").shapes)
+
+
 @pytest.mark.parametrize(
     "change",
     [

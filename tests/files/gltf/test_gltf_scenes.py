@@ -449,3 +449,68 @@ def test_suffix_for_names_another_format_where_shapes_do_not_fit(scene_of, tmp_p
     name, build = scene_of
     mesh = open_mesh(build(V).write(tmp_path / "a.glb"))
     assert suffix_for(mesh) == (".obj" if SCENES[name][2] > 1 else ".glb")
+
+
+def with_normals(scene, X, normal):
+    return scene.mesh(X, F, attributes={"NORMAL": normal})
+
+
+def test_gltf_file_refuses_normals_that_two_places_share_and_one_changes(suffix, tmp_path):
+    """As of two equal meshes whose equal accessors a tool has merged."""
+    scene, N = GltfScene(), V - V.mean(axis=0)
+    normal = scene.accessor(N)
+    for shift in (0.0, 9.0):
+        scene.node(mesh=with_normals(scene, V + [shift, 0, 0], normal))
+    mesh = open_mesh(scene.write(tmp_path / f"a{suffix}"))
+    assert len(mesh.V) == 2 * len(V)
+    turn = rotation((1, 2, 3), 0.4)
+    both = np.where(mesh.V[:, :1] < 5, mesh.V @ turn.T, (mesh.V - [9, 0, 0]) @ turn.T + [9, 0, 0])
+    save_mesh(mesh, both, tmp_path / f"b{suffix}")
+    read, _ = open_mesh(tmp_path / f"b{suffix}").origin.normals(mesh)
+    np.testing.assert_allclose(read, np.vstack([N, N]) @ turn.T, atol=0.1)
+    one = np.where(mesh.V[:, :1] < 5, mesh.V @ turn.T, mesh.V)
+    with pytest.raises(InputError, match="shares its normals"):
+        save_mesh(mesh, one, tmp_path / f"c{suffix}")
+
+
+@pytest.mark.parametrize("kind", ["i1", "i2"])
+def test_gltf_file_rotates_rounded_normals_and_their_bounds(kind, suffix, tmp_path):
+    scene, N = GltfScene(), V - V.mean(axis=0)
+    N /= np.linalg.norm(N, axis=1, keepdims=True)
+    most = np.iinfo(kind).max
+    stored = np.rint(most * N)
+    normal = scene.accessor(stored, kind, normalized=True)
+    bounds = {"min": stored.min(axis=0).tolist(), "max": stored.max(axis=0).tolist()}
+    scene.document["accessors"][normal] |= bounds
+    scene.node(mesh=with_normals(scene, V, normal))
+    mesh = open_mesh(scene.write(tmp_path / f"a{suffix}"))
+    turn = rotation((1, 2, 3), 0.4)
+    save_mesh(mesh, mesh.V @ turn.T, tmp_path / f"b{suffix}")
+    origin = open_mesh(tmp_path / f"b{suffix}").origin
+    read, _ = origin.normals(mesh)
+    np.testing.assert_allclose(read, N @ turn.T, atol=2.0 / most)
+    told = origin.document["accessors"][normal]
+    np.testing.assert_allclose(told["min"], np.rint(most * read.min(axis=0)), atol=0.5)
+    np.testing.assert_allclose(told["max"], np.rint(most * read.max(axis=0)), atol=0.5)
+
+
+def test_gltf_file_keeps_rounded_positions_that_stay(suffix, tmp_path):
+    scene = GltfScene(extensionsUsed=["KHR_mesh_quantization"])
+    mesh = scene.mesh(V, F)
+    attributes = scene.document["meshes"][mesh]["primitives"][0]["attributes"]
+    attributes["POSITION"] = scene.accessor(V, "i2")
+    scene.node(mesh=mesh)
+    path = scene.write(tmp_path / f"a{suffix}")
+    found = open_mesh(path)
+    save_mesh(found, found.V, tmp_path / f"b{suffix}")
+    assert (tmp_path / f"b{suffix}").read_bytes() == path.read_bytes()
+    with pytest.raises(InputError, match="rounded positions"):
+        save_mesh(found, 1.1 * found.V, tmp_path / f"c{suffix}")
+
+
+def test_read_gltf_refuses_a_weight_beyond_all_numbers(suffix, tmp_path):
+    scene = GltfScene()
+    targets = [{"POSITION": scene.accessor(V)}]
+    scene.node(mesh=scene.mesh(V, F, weights=[10**400], targets=targets))
+    with pytest.raises(InputError, match="weight of a morph target"):
+        open_mesh(scene.write(tmp_path / f"a{suffix}"))

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import apd_viewer
+from apd_viewer.geometry.analysis import double_wall
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.mesh import Mesh
 
@@ -149,3 +150,13 @@ def test_double_wall_is_said_and_no_thickness_counts_twice():
         found = apd_viewer.volume_readings(mesh.V, mesh.F, thickness=thickness)
         assert found.material == pytest.approx(wall.material)
         assert found.capacity == pytest.approx(wall.capacity)
+
+
+def test_inspect_says_where_too_many_triangles_hide_a_second_wall(monkeypatch):
+    mesh = cup(3.0, 8.0, 0.1)
+    assert [each.kind for each in inspect(mesh).findings if "double" in each.kind] == ["double wall"]
+    monkeypatch.setattr(double_wall, "MOST_TRIANGLES", len(mesh.F) - 1)
+    found = inspect(mesh)
+    assert found.double_wall is None
+    assert [each.kind for each in found.findings if "double" in each.kind] == ["double wall unknown"]
+    assert not [each for each in inspect(Mesh(*meshes.sphere(4))).findings if "double" in each.kind]

@@ -142,6 +142,27 @@ def surface(folder, name):
     return path
 
 
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.int8, np.float32])
+@pytest.mark.parametrize("binary", [True, False])
+def test_read_distribution_reads_whole_numbers_of_any_type(kind, binary, tmp_path):
+    mesh = pyvista.PolyData.from_regular_faces(V, F)
+    mesh.point_data["thickness"] = np.linspace(120, 20, len(V)).astype(kind)
+    mesh.save(tmp_path / "walls.vtp", binary=binary)
+    found = read_distribution(tmp_path / "walls.vtp", MESH, Unit.NONE)
+    told = mesh.point_data["thickness"].astype(float)[F].mean(axis=1)
+    assert found.thickness.triangles == pytest.approx(told)
+
+
+def test_read_distribution_reads_files_with_a_byte_order_mark(tmp_path):
+    mesh = pyvista.PolyData.from_regular_faces(V, F)
+    mesh.point_data["thickness"] = THICK
+    mesh.save(tmp_path / "walls.vtp", binary=False)
+    text = (tmp_path / "walls.vtp").read_bytes()
+    (tmp_path / "walls.vtp").write_bytes(b"\xef\xbb\xbf" + text)
+    found = read_distribution(tmp_path / "walls.vtp", MESH, Unit.NONE)
+    assert found.thickness.triangles == pytest.approx(OF_TRIANGLES)
+
+
 @pytest.mark.parametrize("name", ["vertex.ply", "face.ply", "vertex.vtp", "face.vtp"])
 def test_read_distribution_of_a_property_of_the_mesh(tmp_path, name):
     path = surface(tmp_path, name)
