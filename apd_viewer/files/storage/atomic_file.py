@@ -72,7 +72,8 @@ def replacing_file(
         raise file_write_error(path, error) from error
     finally:
         if scratch is not None and scratch.exists():
-            scratch.chmod(0o600)  # Windows removes no file that may not be written
+            with contextlib.suppress(OSError):
+                scratch.chmod(0o600)  # Windows removes no file that may not be written
             scratch.unlink(missing_ok=True)
 
 
