@@ -213,7 +213,9 @@ def nesting_findings(
     solid = np.flatnonzero([not encloses_nothing(*each) for each in zip(inside, size, strict=True)])
     if not 1 < len(solid) <= _MOST_PARTS:
         return
-    parts = [F[component == each] for each in solid]
+    order = np.argsort(component, kind="stable")
+    every = np.split(F[order], np.cumsum(np.bincount(component))[:-1])
+    parts = [every[each] for each in solid]
     depth = _nesting_depths(V, parts)
     if depth is None:
         return
@@ -239,17 +241,16 @@ def nesting_findings(
 
 def _nesting_depths(V: np.ndarray, parts: list[np.ndarray]) -> np.ndarray | None:
     """Number of other closed parts around each; None if that takes too long."""
-    boxes = [bounding_box(V[part.ravel()]) for part in parts]
-    pairs = [
-        (k, other)
-        for k, (low, high) in enumerate(boxes)
-        for other, (least, most) in enumerate(boxes)
-        if k != other and (least <= low).all() and (high <= most).all()
-    ]
-    if sum(len(parts[other]) for _, other in pairs) > _MOST_WINDINGS:
+    low, high = np.array([bounding_box(V[part.ravel()]) for part in parts]).transpose(1, 0, 2)
+    is_around = np.ones((len(parts), len(parts)), dtype=bool)
+    for axis in range(3):
+        is_around &= (low[:, None, axis] >= low[:, axis]) & (high[:, None, axis] <= high[:, axis])
+    np.fill_diagonal(is_around, False)
+    sizes = np.array([len(part) for part in parts])
+    if (is_around @ sizes).sum() > _MOST_WINDINGS:
         return None
     depth = np.zeros(len(parts), dtype=np.int64)
-    for k, other in pairs:
+    for k, other in np.argwhere(is_around).tolist():
         depth[k] += abs(_winding_number(V, parts[other], V[parts[k][0, 0]])) > 0.5
     return depth
 
