@@ -145,9 +145,9 @@ class GltfFile:
                 touched.append(block.position)
                 write_rows(self.document, buffers, block.position, moved, new)
             if block.normal is not None:
-                F = mesh.F[((mine.start <= mesh.F) & (mine.stop > mesh.F)).all(axis=1)] - mine.start
                 after = self._array(self.buffers, block.normal)
                 if moved.any():
+                    F = mesh.F[((mine.start <= mesh.F) & (mine.stop > mesh.F)).all(axis=1)] - mine.start
                     after = self._normals_after(block.normal, block, old, new, F)
                 if block.normal in normals and (normals[block.normal] != after).any():
                     raise InputError(

@@ -242,7 +242,7 @@ def move_files(scratch: Path, folder: Path) -> None:
         if target.exists() and not target.is_file():
             raise FileExistsError(None, tr("{name} in it is not a regular file").format(name=target.name))
         try:
-            os.replace(path, target)  # noqa: PTH105, as a whole, also over an existing file on Windows
+            path.replace(target)  # as a whole, also over an existing file on Windows
         except OSError as error:
             if error.errno != errno.EXDEV:  # on another disk
                 raise
