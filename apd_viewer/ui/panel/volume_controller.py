@@ -223,10 +223,10 @@ class VolumeController(QObject):
 
     def _use(self, mesh: Mesh, distribution: Callable[[], WallText]) -> None:
         """Take a wall of a mesh, and colour the shape by it; tell why it cannot be used."""
-        fields = self._panel.measures.wall_fields
+        fields, store = self._panel.measures.wall_fields, self._session.store
         try:
-            wall = distribution() if self._mesh is mesh else None
-            if wall is None or self._mesh is not mesh:  # opened under a dialog
+            wall = distribution() if store.required_state().document.mesh is mesh else None
+            if wall is None or store.required_state().document.mesh is not mesh:  # opened under a dialog
                 raise InputError(tr("Another mesh was opened meanwhile; enter the thickness again."))
         except InputError as error:
             self.failed.emit(str(error))

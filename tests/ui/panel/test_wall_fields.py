@@ -349,3 +349,12 @@ def test_wall_fields_keep_the_thickness_for_the_mesh_it_was_entered_for(qtbot, b
     assert len(document(bottle).mesh.V) == len(sphere(1)[0])
     assert not isinstance(fields.value.thickness, WallDistribution)
     assert "enter the thickness again" in bottle.notice.text
+
+
+def test_wall_fields_give_a_part_of_a_baked_shape_a_thickness(qtbot, bottle, fields, monkeypatch):
+    choose(fields, PET)
+    bottle.session.shapes.bake()
+    idle(qtbot, bottle)
+    monkeypatch.setattr(QInputDialog, "getText", lambda *_: ("0.1mm", True))
+    offered(bottle, "Base").trigger()
+    assert isinstance(fields.value.thickness, WallDistribution)
